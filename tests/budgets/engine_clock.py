@@ -1,24 +1,23 @@
 """Time spent inside C, apart from the copying of its blocks."""
 
 import time
-from types import SimpleNamespace
 from unittest.mock import patch
 
-from vibsim.engine import _engine, c_engine
+from vibsim.engine import _engine
 
 
 class EngineClock:
     """Within `with EngineClock() as clock:` every run adds to clock.seconds."""
 
     def __enter__(self):
-        self.seconds = 0.0
-        engine = SimpleNamespace(Run=lambda *numbers: _TimedRun(_engine.Run(*numbers), self))
-        self._patch = patch.object(c_engine, "_engine", engine)
+        self.seconds, make = 0.0, _engine.Run
+        self._patch = patch.object(_engine, "Run", lambda *numbers: _TimedRun(make(*numbers), self))
         self._patch.start()
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, error, *_):
         self._patch.stop()
+        assert error or self.seconds > 0, "no call of the engine was timed"
 
 
 class _TimedRun:

@@ -567,3 +567,5 @@ run: {{t_end: 9 s, every: 10 ms}}
     states = states_at(scene, events, samples["time"], end.t)
     assert all(same_bits(states[name], values) for name, values in samples.items())
     assert states_at(scene, events, end.t, end.t)["x_a"] == end.x[0]
+    with pytest.raises(EngineError):
+        open_trajectory(scene).state_at([end.t / 2, end.t, end.t + 1])

@@ -88,38 +88,37 @@ class Taken:
             self.error, self.ended = f"{error}", True
 
     def bits(self):
-        """All of it; of a run that fails without the columns, as the last block is not shown then."""
-        columns = {} if self.error else {name: b"".join(parts) for name, parts in self.columns.items()}
+        """All of it."""
+        columns = {name: b"".join(parts) for name, parts in self.columns.items()}
         told = self.run.run.tally
         return columns, repr(self.run.totals), repr(self.run.extremes), self.error, told["state"]
 
 
 def alone(scenes):
     """What comes of runs by themselves."""
-    found = [Taken(run) for run in open_all(scenes)]
-    for one in found:
+    runs = [Taken(run) for run in open_all(scenes)]
+    for one in runs:
         while not one.ended:
             one.go_on()
-    return [one.bits() for one in found]
+    return [one.bits() for one in runs]
 
 
 def beside(scenes, widest):
     """The same of runs whose steps are taken side by side as long as more than one is left; the steps, and
     those of them that were.
     """
-    found = [Taken(run) for run in open_all(scenes)]
-    going = found
+    going = runs = [Taken(run) for run in open_all(scenes)]
     for one in going:
         one.go_on()
     while going := [one for one in going if not one.ended]:
-        made = _engine.advance_together(tuple(one.run.run.run for one in going), widest)
-        for one, progress in zip(going, made, strict=True):
+        reached = _engine.advance_together(tuple(one.run.run.run for one in going), widest)
+        for one, progress in zip(going, reached, strict=True):
             one.run.run.advanced = progress
             if progress is not None:
                 one.go_on()
-    tallies = [one.run.run.tally for one in found]
+    tallies = [one.run.run.tally for one in runs]
     steps = [sum(tally[name] for tally in tallies) for name in ("steps", "steps_beside")]
-    return [one.bits() for one in found], steps
+    return [one.bits() for one in runs], steps
 
 
 @pytest.mark.parametrize("widest", WIDTHS)
@@ -127,10 +126,18 @@ def beside(scenes, widest):
 def test_runs_side_by_side_have_the_bits_of_each_by_itself(name, widest):
     scene = scene_of(ONE_BODY) if name == "one-body" else paper(name, t_end=40.0).as_parts()
     scenes = list(varied(scene, 11))
-    found, (steps, steps_beside) = beside(scenes, widest)
-    assert found == alone(scenes)
+    outcomes, (steps, steps_beside) = beside(scenes, widest)
+    assert outcomes == alone(scenes)
     in_lanes = 0.9 * steps if min(widest, _engine.LANES) else 0
     assert steps_beside >= in_lanes and (in_lanes or not steps_beside)
+
+
+@pytest.mark.parametrize("order", [4, 5, 7, 40])
+def test_other_orders_of_taylor_series_have_their_bits_too(order):
+    scenes = list(varied(replace(paper("II-B", t_end=4.0).as_parts(), order=order), 5))
+    expected = alone(scenes)
+    for widest in WIDTHS:
+        assert beside(scenes, widest)[0] == expected
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -141,13 +148,25 @@ def test_random_scenes_side_by_side_have_their_bits(seed):
     scenes = [*varied(scene, draw.integers(2, 12)), *varied(small_scene(draw, 30.0), 2)]
     expected = alone(scenes)
     for widest in WIDTHS:
-        assert beside(scenes, widest)[0] == expected
+        outcomes, (_, steps_beside) = beside(scenes, widest)
+        assert outcomes == expected
+        entered[min(widest, _engine.LANES) > 0] += steps_beside > 0
+
+
+entered = [0, 0]  # random scenes of which runs have taken steps side by side, without lanes and with some
+
+
+def test_random_scenes_have_taken_steps_side_by_side():
+    entered[:] = [0, 0]
+    for seed in range(8):
+        test_random_scenes_side_by_side_have_their_bits(seed)
+    assert entered[0] == 0 and (entered[1] >= 8 or not _engine.LANES)
 
 
 def test_runs_of_any_other_scene_are_taken_by_themselves():
     scenes = [formula_scene(seed) for seed in range(6)] + [paper("I-B", t_end=5.0).as_parts()]
-    found, (_, steps_beside) = beside(scenes, 8)
-    assert found == alone(scenes) and steps_beside == 0
+    outcomes, (_, steps_beside) = beside(scenes, 8)
+    assert outcomes == alone(scenes) and steps_beside == 0
 
 
 @pytest.mark.parametrize("count", range(2, 8))
@@ -162,9 +181,9 @@ def test_a_run_that_waits_for_others_goes_on_by_itself(name, count):
         time += 0.21
         for i, one in enumerate(going):
             one.run.pause_at(time + 0.1 * (i > 0))
-        made = _engine.advance_together(tuple(one.run.run.run for one in going))
-        waited |= None in made  # as the first one has come to its pause
-        for one, progress in zip(going, made, strict=True):
+        reached = _engine.advance_together(tuple(one.run.run.run for one in going))
+        waited |= None in reached  # as the first one has come to its pause
+        for one, progress in zip(going, reached, strict=True):
             one.run.run.advanced = progress
             one.go_on()
     assert waited or not _engine.LANES

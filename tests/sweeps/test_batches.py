@@ -14,9 +14,10 @@ import pytest
 import vibsim
 from tests.sweeps.made import OMEGA0, assert_same_points, complete, in_memory, short_case, short_plan, swept
 from vibsim.cases import load_case
-from vibsim.engine import c_engine
+from vibsim.cases.case import load_case_text
+from vibsim.engine import _engine, c_engine
 from vibsim.engine.errors import EngineError, State
-from vibsim.engine.trajectory import open_trajectory
+from vibsim.engine.trajectory import advance_together, open_trajectory
 from vibsim.results.simulation import open_result
 from vibsim.sweeps import points, statistics
 from vibsim.sweeps.axes import read_members
@@ -108,6 +109,7 @@ def test_the_pace_follows_the_points():
     assert lengths[:3] == [1, 10, 10] and lengths[-1] == 2
 
 
+@pytest.mark.skipif(not _engine.LANES, reason="needs a processor with lanes")
 def test_runs_that_share_lanes_come_in_batches_that_fill_them():
     plan = short_plan({OMEGA0: "3:5:0.001 Hz"})
     assert list(batch_lengths(plan, (0.05, 0.3, 0.55, 2.0, 2.0))) == [1, 20, 16, 16, 6]
@@ -337,7 +339,20 @@ NUMBERS = [  # case, key, values; of the last some make other modes
     ("gallery/belt-oscillator", "belt.belt", "1.2:1.8:0.2 m/s"),  # the block begins with 1.5 m/s
     ("gallery/energy-harvester", "run.t_end", "2:8:2 s"),
     ("I-B", "mu", "1e-3, 0, 2e-3, 0.1"),
+    ("two-forces", "g.omega", "2, 2.1234567891234, 3, 4 Hz"),  # the second has no common period
+    ("two-forces", "g.omega", "2.1234567891234, 2, 3, 4.1234567891234 Hz"),
 ]
+
+TWO_FORCES = """
+name: two-forces
+title: A body under two forces
+bodies: {a: 1 kg}
+links: {spring: {between: [a, ground], k: 40 N/m, c: 0.5 N s/m}}
+forces:
+  f: {on: a, A: 1 N, omega: 1 Hz}
+  g: {on: a, A: 1 N, omega: 2 Hz}
+run: {t_end: 12 s, every: 10 ms}
+"""
 
 
 @pytest.mark.parametrize("name", STARTS)
@@ -349,7 +364,8 @@ def test_points_do_not_depend_on_starts_before(name):
 @pytest.mark.parametrize(("name", "key", "values"), NUMBERS)
 def test_points_do_not_depend_on_numbers_before(name, key, values):
     changes = {"run.t_end": "12 s"} | ({"x1": "0.2 mm"} if name == "I-B" else {})
-    check_apart(make_plan(load_case(name, changes), [(key, values)], section=5, compute="all"))
+    case = load_case_text(TWO_FORCES) if name == "two-forces" else load_case(name, changes)
+    check_apart(make_plan(case, [(key, values)], section=5, compute="all"))
 
 
 def test_modes_of_another_form_are_told_to_a_new_run(monkeypatch):
@@ -402,10 +418,18 @@ MANY = ("capture", "certificate", "power", "impact-velocity", "attractor")
 
 
 @pytest.mark.parametrize("compute", [(), MANY, ("attractor",)])
-def test_points_whose_runs_share_lanes_are_those_of_each_alone(compute):
+def test_points_whose_runs_share_lanes_are_those_of_each_alone(monkeypatch, compute):
     plan = short_plan({OMEGA0: "3:5:0.1 Hz"}, short_case(t_end="12 s"), section=5, compute=compute)
     piece = BatchPiece(tuple(((i, 0), plan.changes((i, 0))) for i in range(19)))
+    beside = []
+
+    def noted(runs):
+        beside.append(len(runs))
+        advance_together(runs)
+
+    monkeypatch.setattr(points, "advance_together", noted)
     together = compute_batch(plan.point_settings, (piece,))
+    assert max(beside, default=0) >= 8 or not _engine.LANES
     assert [point.index for point in together] == [index for index, _ in piece.points]
     for point, (index, changes) in zip(together, piece.points, strict=True):
         other = compute_point(plan.point_settings, index, changes, None)
@@ -421,6 +445,7 @@ def reproducible(values):
     return {name: value for name, value in values.items() if name not in NOT_REPRODUCIBLE}
 
 
+@pytest.mark.skipif(not _engine.LANES, reason="needs a processor with lanes")
 def test_points_that_are_done_beside_others_that_are_given_up_are_kept(monkeypatch):
     calls = []
 

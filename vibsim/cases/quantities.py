@@ -202,7 +202,7 @@ def fits_double(value: Fraction) -> bool:
 def product_fits(factors: Iterable[Quantity]) -> bool:
     """Whether a product fits a double as its factors do; in doubles an overflow is inf."""
     numbers = [factor.number() for factor in factors]
-    return not all(numbers) or 2.0**-1022 <= abs(prod(numbers)) < 2.0**1021
+    return not all(numbers) or float(SMALLEST) <= abs(prod(numbers)) <= float(LARGEST)
 
 
 def quantity_unit(text: str) -> str:

@@ -143,6 +143,7 @@ class CRun:
         self.sample_room = self._room_for_samples(scene)
         parts = len(part_columns(scene))
         self.event_room = max(form.room(EVENT_ROOM), min(EVENT_ROOM, 64 + 4 * parts))
+        self.sectioned = section
         self.section_room = form.room(SECTION_ROOM) if section and self._keep_section() else 0
         self._fill_new_arrays()
         self._recall()
@@ -178,7 +179,8 @@ class CRun:
             self.retune(scene, doubles, self.origin.retuned(scene, numbers))
         except ValueError:  # a mode has another form all the same
             return False
-        self._keep_section()
+        if self.sectioned and self._keep_section() != (self.section_room > 0):
+            return False  # one of the two has no common period
         room = self._room_for_samples(scene)
         if room > self.sample_room:
             self.sample_room = room
@@ -433,7 +435,8 @@ class CRun:
 
     def states_at(self, times: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Columns at ascending times [s]: time, x and v of each body, rotor angle, its speed; and what each
-        part does. Events on the way are taken. Raises EngineError of a time behind that at which it fails.
+        part does. Events on the way are taken. Raises EngineError where a time is later than that at which
+        the run fails.
         """
         states = self.form.empty(3 + 2 * self.n, len(times))
         codes = np.empty((len(part_columns(self.scene)), len(times)), dtype="i1")
@@ -449,7 +452,7 @@ class CRun:
                     raise self._failure(status)
             except EngineError as error:
                 end = error.state
-                if end.t < times[made]:
+                if end.t < times[-1]:
                     raise
                 moving = (value for pair in zip(end.x, end.v, strict=True) for value in pair)
                 row = self.form.packed([end.t, *moving, self.kit.unwind(end.phase, end.turns), end.w])

@@ -410,8 +410,8 @@ static int ruled_meanwhile(Run *r, Buffers *b)
     return 0;
 }
 
-/* Make the expansion that a signal has ended anew; what it has ended elsewhere goes on by itself. Take the step by itself that was to be
- * taken beside others.
+/* Expand anew where a signal has ended the expansion; what it has ended elsewhere goes on by itself. A run that waits and is advanced
+ * alone takes its step by itself.
  */
 static void enter_again(Run *r)
 {
@@ -451,20 +451,15 @@ static void go_on(Run *r, Buffers *b)
     }
 }
 
-static void set_off(Run *r, Buffers *b)
-{
-    r->spent = 0;
-    enter_again(r);
-    if (ruled_meanwhile(r, b))
-        go_on(r, b);
-}
-
 /* Advance until the run ends, pauses or fails, or the room or the work of this call is spent. An event without a rule leaves the
  * status UNDECIDED: Python takes it, or makes its rule.
  */
 void run_advance(Run *r, Buffers *b)
 {
-    set_off(r, b);
+    r->spent = 0;
+    enter_again(r);
+    if (ruled_meanwhile(r, b))
+        go_on(r, b);
 }
 
 #ifndef LIMBS
@@ -477,26 +472,26 @@ void runs_advance(Run **runs, Buffers **buffers, int count, int widest)
     Lanes lanes;
     Run *of[RUNS_AT_ONCE] = {NULL};
     Buffers *filled[RUNS_AT_ONCE] = {NULL};
-    int next = 0, wanted, i;
+    int next = 0, stopped, i;
     unsigned waiting;
     lanes_open(&lanes, runs, count, widest);
     for (;;) {
         waiting = 0;
-        wanted = 0;
+        stopped = 0;
         for (i = 0; i < RUNS_AT_ONCE; i++) {
             if (of[i])
                 go_on(of[i], filled[i]);
             while (next < count && !(of[i] && of[i]->waits)) {
                 of[i] = runs[next];
                 filled[i] = buffers[next++];
-                set_off(of[i], filled[i]);
+                run_advance(of[i], filled[i]);
             }
             if (of[i] && of[i]->waits)
                 waiting |= 1u << i;
             else
-                wanted |= of[i] && !of[i]->finished;
+                stopped |= of[i] && !of[i]->finished;
         }
-        if (!waiting || (wanted && waiting != (1u << RUNS_AT_ONCE) - 1))
+        if (!waiting || stopped)
             break;
         lanes_step(&lanes, of, waiting);
     }

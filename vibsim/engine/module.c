@@ -262,26 +262,26 @@ static PyObject *advance(RunObject *self, PyObject *args)
 /* Several runs, each as by `advance`: their steps are taken side by side. */
 static PyObject *advance_together(PyObject *module, PyObject *args)
 {
-    enum { MOST = 64 };
-    PyObject *list, *answer = NULL;
+    enum { MOST = 64 }; /* see SIDE_BY_SIDE in vibsim/sweeps/points.py */
+    PyObject *tuple, *answer = NULL;
     int widest = MOST;
     Run *runs[MOST];
     Buffers *buffers[MOST];
     Py_ssize_t count, held, i;
     (void)module;
-    if (!PyArg_ParseTuple(args, "O!|i", &PyTuple_Type, &list, &widest))
+    if (!PyArg_ParseTuple(args, "O!|i", &PyTuple_Type, &tuple, &widest))
         return NULL;
-    count = PyTuple_GET_SIZE(list);
+    count = PyTuple_GET_SIZE(tuple);
     for (held = 0; held < count && held < MOST; held++) {
-        RunObject *one = (RunObject *)PyTuple_GET_ITEM(list, held);
-        int free;
+        RunObject *one = (RunObject *)PyTuple_GET_ITEM(tuple, held);
+        int ready;
         if (Py_TYPE(one) != &run_type)
             break;
         Py_BEGIN_CRITICAL_SECTION(one);
-        free = run_is_ready(one);
-        one->busy = free || one->busy;
+        ready = run_is_ready(one);
+        one->busy = ready || one->busy;
         Py_END_CRITICAL_SECTION();
-        if (!free)
+        if (!ready)
             break;
         runs[held] = &one->run;
         buffers[held] = &one->buffers;
@@ -294,15 +294,16 @@ static PyObject *advance_together(PyObject *module, PyObject *args)
     } else if (!PyErr_Occurred()) {
         PyErr_SetString(PyExc_ValueError, "up to 64 runs that have been started are needed");
     }
-    for (i = 0; i < held; i++)
-        ((RunObject *)PyTuple_GET_ITEM(list, i))->busy = 0;
-    for (i = 0; answer && i < count; i++) {
-        RunObject *one = (RunObject *)PyTuple_GET_ITEM(list, i);
-        PyObject *of = one->run.waits ? Py_NewRef(Py_None) : progress(one);
-        if (!of)
-            Py_CLEAR(answer);
-        else
+    for (i = 0; i < held; i++) {
+        RunObject *one = (RunObject *)PyTuple_GET_ITEM(tuple, i);
+        PyObject *of = answer == NULL ? NULL : one->run.waits ? Py_NewRef(Py_None) : progress(one);
+        if (of)
             PyList_SET_ITEM(answer, i, of);
+        else
+            Py_CLEAR(answer);
+        Py_BEGIN_CRITICAL_SECTION(one);
+        one->busy = 0;
+        Py_END_CRITICAL_SECTION();
     }
     return answer;
 }
@@ -580,7 +581,7 @@ static PyObject *power_value(PyObject *self, PyObject *args)
 static PyMethodDef functions[] = {
     {"advance_together", advance_together, METH_VARARGS,
      "advance_together(runs, widest) -> list of what `advance()` gives of each of up to 64 runs in a tuple, computed side by side;\n"
-     "None of one that waits for the next call, as there is something to be done first for another.\n"
+     "None of a run that waits for the next call, because another one has stopped.\n"
      "widest: lanes in a vector at most, where fewer than the processor has are wanted; 0: none."},
     ELEMENTARY_FUNCTIONS(METHOD)
     {"expm1", expm1_value, METH_O, "exp(x) - 1."},

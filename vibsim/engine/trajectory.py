@@ -87,19 +87,23 @@ def open_trajectory(
     )
 
 
-RUNS_AT_ONCE = 8  # that share a processor's vectors, see `lanes.c`
+RUNS_AT_ONCE = 8  # lanes, as in `lanes.h`
 
 
 def suits_lanes(scene: Scene) -> bool:
-    """Whether several runs of scenes like this one take their steps side by side: those of one body or two
-    with a motor, whose motion no formula or moving base makes.
+    """Whether several runs of scenes like this one take their steps side by side on this machine: those of
+    one body or two with a motor, whose motion no formula or moving base makes.
     """
-    return scene.has_motor and len(scene.bodies) <= 2 and not scene.has_formulas and not scene.base_moves
+    import vibsim.engine._engine as _engine
+
+    small = scene.has_motor and len(scene.bodies) <= 2
+    return small and not scene.has_formulas and not scene.base_moves and _engine.LANES > 0
 
 
 def advance_together(trajectories: Sequence[Trajectory]) -> None:
     """Make the next call of C of runs that are at a None of their `blocks_beside`: side by side where they
-    suit lanes, and with the numbers that each has by itself. Those that are not `advanced` then stay there.
+    suit lanes, and with the numbers that each has by itself. Those that are not `advanced` afterwards
+    wait for the next call.
     """
     import vibsim.engine._engine as _engine
 

@@ -127,9 +127,9 @@ def made_case(settings: PointSettings, changes: Mapping[str, str], start: Start 
 def run_point(
     settings: PointSettings, index: Index, made: MadeCase, go_on: Callable[[], bool] | None
 ) -> Steps:
-    """The same of a point whose case is made, in steps where others can be computed: None where its run is
-    held, or its run where that may be advanced beside theirs, for which the time taken [s] is sent; then the
-    point. Nothing of one that is given up.
+    """As `compute_point`, of a point whose case is made, in steps. It yields None while its run is held. It
+    yields its `Trajectory` where that can be advanced beside others; the time that this took [s] is sent
+    then. At last it yields the point; nothing if the point is given up.
     """
     changes, case, seconds = made
     began = time.perf_counter() - seconds
@@ -329,7 +329,7 @@ class BatchPiece:
 
 Pieces = tuple[BatchPiece, ...]
 TOGETHER = 64  # points: what is held of their runs takes some megabytes at most
-SIDE_BY_SIDE = 2 * RUNS_AT_ONCE  # points whose runs share lanes; half of them where samples take memory
+SIDE_BY_SIDE = 2 * RUNS_AT_ONCE  # points whose runs share lanes, at most 64; with samples half as many
 
 
 def compute_batch(
@@ -375,7 +375,7 @@ def _independent(
 
 
 def _advance(points: list[Any], running: list[Steps]) -> None:
-    """Put points in the place of runs that are advanced beside each other; None of one that is given up."""
+    """Advance runs side by side, and put each point in the place of its run; None where it is given up."""
     times: dict[int, float] = defaultdict(float)  # of those that wait, since their steps [s]
     while runs := {i: run for i, run in enumerate(points) if isinstance(run, Trajectory)}:
         began = time.perf_counter()

@@ -23,10 +23,18 @@ from typing import Any, Protocol
 from vibsim import __version__
 from vibsim.analysis.cycles import HALF
 from vibsim.cases import load_case
-from vibsim.engine.trajectory import RUNS_AT_ONCE, suits_lanes
+from vibsim.engine.trajectory import suits_lanes
 from vibsim.results.hdf5_reading import ResultFileError
 from vibsim.sweeps.computations import fitting
-from vibsim.sweeps.points import BatchPiece, Pieces, SweepPoint, Table, compute_batch, compute_point
+from vibsim.sweeps.points import (
+    SIDE_BY_SIDE,
+    BatchPiece,
+    Pieces,
+    SweepPoint,
+    Table,
+    compute_batch,
+    compute_point,
+)
 from vibsim.sweeps.quantities import DONE, FAILED, MISSING, NOT_REPRODUCIBLE, quantities_of
 from vibsim.sweeps.sweep_file import SweepStore
 from vibsim.sweeps.sweep_plan import STATISTICS, Index, PointSettings, Start, SweepPlan
@@ -160,7 +168,7 @@ class Chain:
 
 ROUNDS = 4  # what is left is shared out in at least so many rounds, so that no worker idles at the end
 LARGEST = 1000  # points in a batch
-LONGER = 8  # times: batches of a few points whose runs share lanes, which take the less the more they are
+LONGER = 8  # times that a batch may take longer to fill lanes: runs side by side take less time each
 
 Handed = list[tuple[Chain, BatchPiece]]
 
@@ -176,7 +184,7 @@ class Backlog:
         self._begun: deque[Chain] = deque()  # chains whose last piece has come back
         self._left = plan.count - table.count(DONE)
         lanes = suits_lanes(plan.case.scene()) and not plan.carry
-        self._abreast = 2 * RUNS_AT_ONCE if lanes else 1
+        self._abreast = SIDE_BY_SIDE if lanes else 1
         self._seconds = seconds
         self._pace = 0.0  # computing time of a point [s], of the last ones more than of the first; 0: unknown
 

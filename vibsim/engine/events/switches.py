@@ -329,13 +329,13 @@ class SwitchSides(Generic[N]):
     def near(self, state: State[N], status: Status) -> set[int]:
         """The switches of a mode whose arguments are not clearly beyond their rounding at a state of it."""
         sides = self.rows.sides(status)
-        found: set[int] = set()
+        near: set[int] = set()
         for node, i, _ in self.rows.awake(status, sides):
             if not self.rows.side_by_stops(node, status):
                 value, bound, *of_step = self._guard_values(node, sides, state, status)
                 if self._side(node, [value, CLEARLY * bound, *of_step], None)[1]:
-                    found.add(i)
-        return found
+                    near.add(i)
+        return near
 
     def leads_away(self, state: State[N], departures: DerivativeSigns[N], status: Status, i: int) -> bool:
         """Whether the motion leaves the zero that switch `i` is at to its side in a mode, from the other side

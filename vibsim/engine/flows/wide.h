@@ -14,6 +14,13 @@
 #define WIDE_WITH_CALLS
 #endif
 
-#define LANES 4 /* doubles in a register, or a multiple; TIMES_AT_ONCE is a multiple of it */
+#ifdef __GNUC__
+#define ALIGNED(bytes) __attribute__((aligned(bytes)))
+#define VECTOR(count) __attribute__((vector_size(8 * (count)), may_alias)) /* of so many doubles, or whole numbers of 64 bits */
+#else
+#define ALIGNED(bytes)
+#endif
+
+#define DOUBLES_AT_ONCE 4 /* doubles in a register, or a multiple; TIMES_AT_ONCE is a multiple of it */
 
 #endif

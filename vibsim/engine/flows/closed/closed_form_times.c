@@ -9,7 +9,7 @@
 /* How many times are worked on, so that loops over the first `count` have no rest that is less than a register wide. */
 static int whole_registers(int count)
 {
-    return (count + LANES - 1) / LANES * LANES;
+    return (count + DOUBLES_AT_ONCE - 1) / DOUBLES_AT_ONCE * DOUBLES_AT_ONCE;
 }
 
 /* First time from which on the response to a constant load is a quotient; times ascend, and so does what it is told by. */

@@ -3,7 +3,7 @@
  * A processor takes one operation for all lanes of a vector at once. In each lane these are the operations of the run by itself
  * (taylor_expansion.c, step_length.c), in their order, so that the bits are the same. Beside that lanes tell which event functions
  * are sure to stay positive on the whole step, by sums that are above those of polynomial_root.c, so that no zeros are looked for
- * there. A lane with numbers that are none of the usual (zero, not finite, a huge angle) is left to the run by itself.
+ * there. A lane whose numbers are not usual (zero, not finite, a large angle) is computed by the run itself.
  *
  * Which vectors there are is asked when runs are to share lanes: it changes no bits.
  */
@@ -11,7 +11,7 @@
 #include "inlining.h"
 #include "numbers.h"
 
-#define SLACK 100 /* roundings of the sum of all magnitudes of an event function: more than two orders of operations may differ by */
+#define SLACK 100 /* roundings of the sum of all magnitudes of an event function, more than two orders of summation can differ by */
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi" /* no vector is passed between functions that are not made one */
@@ -26,8 +26,7 @@
  */
 static void give_tables(const Lanes *l, int first, int rows, int second, int third, Taylor *const *of)
 {
-    typedef long long Places __attribute__((vector_size(32)));
-    const Places even = {0, 4, 2, 6}, odd = {1, 5, 3, 7}, low = {0, 1, 4, 5}, high = {2, 3, 6, 7};
+    const Bits4 even = {0, 4, 2, 6}, odd = {1, 5, 3, 7}, low = {0, 1, 4, 5}, high = {2, 3, 6, 7};
     int n;
     for (n = 0; n < rows; n++) {
         const ByLane *at = l->table[n];
@@ -78,7 +77,9 @@ static void add_difference(const Run *r, Watched *to, int i, double factor, int 
         }
 }
 
-/* Write an event function of the mode in lane i as a sum of columns; where it is none, its zeros are looked for in any case. */
+/* Write an event function of the mode in lane i as a sum of columns. Where it is none, its zeros are looked for in any case; so are those of
+ * rigid stops, which may be struck at the start of a step, and of switches, which may rest at their zero.
+ */
 static void watch(const Run *r, const Event *e, Watched *to, int i)
 {
     int k;
@@ -96,7 +97,7 @@ static void watch(const Run *r, const Event *e, Watched *to, int i)
             add_difference(r, to, i, t->coefficient * q->k, q->from, q->to);
             add_difference(r, to, i, t->coefficient * q->c, q->from + r->taylor.rates, q->to + r->taylor.rates);
             to->constant[i] += t->coefficient * q->offset;
-        } else if (t->kind != LOAD || t->P == r->motor_on) {
+        } else {
             to->known[i] = NAN;
         }
     }
@@ -160,10 +161,9 @@ int lanes_in_a_vector(int widest)
 /* Let those runs share lanes that are of the form of the first such one; as many lanes in a vector as this processor has, at most `widest`. */
 void lanes_open(Lanes *l, Run **runs, int count, int widest)
 {
-    static const Lanes none;
     const Run *first = NULL;
     int i;
-    *l = none;
+    memset(l, 0, sizeof *l);
     l->width = lanes_in_a_vector(widest);
     for (i = 0; i < count; i++) {
         Run *r = runs[i];
@@ -178,7 +178,7 @@ int suits_lanes(const Run *r)
 {
     const Mode *m = r->mode;
     return m->shape != ANY && m->shape != FORMULAS && m->carried > 0 && m->tied_count == 0 && r->taylor.loaded_count == 0 &&
-           r->taylor.rates == 3 && r->taylor.order == r->taylor.most;
+           r->taylor.rates == 3 && r->taylor.order == r->taylor.most && r->taylor.order > LEADING_TERMS;
 }
 
 /* The next step of each of RUNS_AT_ONCE runs whose bit of `waiting` is set. */
@@ -234,7 +234,8 @@ void lanes_step(Lanes *l, Run **runs, unsigned waiting)
 #else
 int lanes_in_a_vector(int widest)
 {
-    return 0 * widest;
+    (void)widest;
+    return 0;
 }
 
 void lanes_open(Lanes *l, Run **runs, int count, int widest)

@@ -3,18 +3,15 @@
 #define VIBSIM_LANES_H
 
 #include "engine.h"
+#include "wide.h"
 
 #ifdef LIMBS
 #define suits_lanes(run) 0
 #else
-enum { RUNS_AT_ONCE = 8 };
+enum { RUNS_AT_ONCE = 8 }; /* as in vibsim/engine/trajectory.py */
 enum { BODY, FAR, ANGLE, BODY_RATE, FAR_RATE, SPEED, COLUMNS }; /* of small scenes; FAR: the second body, or the ground */
 
-#ifdef __GNUC__
-typedef double ByLane[RUNS_AT_ONCE] __attribute__((aligned(64)));
-#else
-typedef double ByLane[RUNS_AT_ONCE];
-#endif
+typedef double ByLane[RUNS_AT_ONCE] ALIGNED(64);
 
 /* An event function by lane: constant + sum of factor times column. known: order of its zero at the start of the step; no number where it is
  * no such sum; turns: as of the event; used: whether any lane has a factor there.
@@ -24,9 +21,9 @@ typedef struct {
     int used[COLUMNS];
 } Watched;
 
-/* The mode and the state of each run, and the step that they come to, by lane. at_end: all columns at the end of the step, `length` behind
- * its start on the grid of time, and the rate of the speed there; regular: whether all that is as of the run by itself; clear: bits of the
- * event functions that stay positive on it.
+/* The mode and the state of each run, and the step that they come to, by lane. table: its rows, then one of all columns at the end of the
+ * step, which is `length` behind its start on the grid of time; spin_rate: rate of the speed there; regular: whether the step has the bits
+ * of the run by itself; clear: bits of the event functions that stay positive on it.
  */
 typedef struct {
     ByLane k, c, offset, constant, constant_far, mobility_far, moves, mass, inertia, unbalance, drag, stall, tolerance;

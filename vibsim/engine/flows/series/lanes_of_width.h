@@ -8,9 +8,11 @@
 #define Bits OF_WIDTH(Bits)
 #define Row OF_WIDTH(Row)
 #define AT(column) ((column) * (RUNS_AT_ONCE / WIDTH))
+#define NUMBER(name) vector(l->name + first)
 #define vector OF_WIDTH(vector)
 #define magnitude OF_WIDTH(magnitude)
 #define chosen OF_WIDTH(chosen)
+#define below OF_WIDTH(below)
 #define expand OF_WIDTH(expand)
 #define exponent_of OF_WIDTH(exponent_of)
 #define size_of OF_WIDTH(size_of)
@@ -18,8 +20,8 @@
 #define stays_clear OF_WIDTH(stays_clear)
 #define end_of_step OF_WIDTH(end_of_step)
 
-typedef double V __attribute__((vector_size(8 * WIDTH), may_alias));
-typedef long long Bits __attribute__((vector_size(8 * WIDTH), may_alias));
+typedef double V VECTOR(WIDTH);
+typedef long long Bits VECTOR(WIDTH);
 typedef V Row[AT(COLUMNS)]; /* of the table, from lane number `first` on */
 
 INLINE V vector(const double *x)
@@ -39,10 +41,16 @@ INLINE V chosen(Bits which, V one, V other)
     return (V)(((Bits)one & which) | ((Bits)other & ~which));
 }
 
+/* How far below zero. */
+INLINE V below(V x)
+{
+    const V zero = {0};
+    return chosen(x < zero, magnitude(x), zero);
+}
+
 /* Expand the motions, order by order as `advance_small` and `rotate` do; returns which angles are moderate. */
 INLINE Bits expand(const Lanes *l, int first, const Real *inverse, const int p, Row *row)
 {
-#define NUMBER(name) vector(l->name + first)
     const V zero = {0}, k = NUMBER(k), c = NUMBER(c), unbalance = NUMBER(unbalance), drag = NUMBER(drag);
     const V inertia = NUMBER(inertia), mass = NUMBER(mass), mobility_far = NUMBER(mobility_far);
     const Bits moves = NUMBER(moves) != zero;
@@ -167,8 +175,8 @@ INLINE Bits stays_clear(const Watched *e, int first, const Row *row, int p, V h,
 {
     const V zero = {0}, known = vector(e->known + first);
     const Bits shifted = known == 1;
-    V factor[COLUMNS], terms[3], power = h, start = vector(e->constant + first), second = zero, third = zero;
-    V sizes = zero, size_0 = magnitude(start), rest = zero, swing = zero, tail = zero, rounding, fall, low;
+    V factor[COLUMNS], power = h, start = vector(e->constant + first), linear = zero, square = zero;
+    V sizes = magnitude(start), rest = zero, swing = zero, tail = zero, rounding, fall, low;
     int used[COLUMNS], count = 0, n, c;
     for (c = 0; c < COLUMNS; c++)
         if (e->used[c]) {
@@ -178,7 +186,7 @@ INLINE Bits stays_clear(const Watched *e, int first, const Row *row, int p, V h,
     for (c = 0; c < count; c++) {
         const V part = factor[c] * row[0][used[c]];
         start += part;
-        size_0 += magnitude(part);
+        sizes += magnitude(part);
     }
     for (n = 1; n <= p + 1; n++) {
         V sum = zero, size = zero, term;
@@ -189,8 +197,10 @@ INLINE Bits stays_clear(const Watched *e, int first, const Row *row, int p, V h,
         }
         term = magnitude(sum) * power;
         sizes += size * power;
-        if (n < 3)
-            terms[n] = sum * power;
+        if (n == 1)
+            linear = sum * power;
+        else if (n == 2)
+            square = sum * power;
         else
             rest += term;
         swing += (double)n * term;
@@ -198,13 +208,11 @@ INLINE Bits stays_clear(const Watched *e, int first, const Row *row, int p, V h,
             tail += term;
         power = power * h;
     }
-    second = magnitude(terms[1]);
-    third = magnitude(terms[2]);
-    rounding = SLACK * EPS * (sizes + size_0);
-    fall = rest + rounding + chosen(shifted, chosen(terms[2] < zero, third, zero), third + chosen(terms[1] < zero, second, zero));
-    low = chosen(shifted, terms[1], start) - fall;
+    rounding = SLACK * EPS * sizes;
+    fall = rest + rounding + chosen(shifted, below(square), magnitude(square) + below(linear));
+    low = chosen(shifted, linear, start) - fall;
     return ((known == zero) | shifted) & (low > tail) &
-           ((vector(e->turns + first) == zero) | (low >= chosen(shifted, margin * h, margin)) | (2 * second > swing + 2 * rounding));
+           ((vector(e->turns + first) == zero) | (low >= chosen(shifted, margin * h, margin)) | (2 * magnitude(linear) > swing + 2 * rounding));
 }
 
 /* All columns at `length`, as `dense_block` sums them, into the last row; the rate of the speed there. */
@@ -248,7 +256,6 @@ static void OF_WIDTH(steps_of_)(Lanes *l, int first, const Real *inverse, int p)
     memcpy(l->spin_rate + first, &rate, sizeof rate);
     memcpy(l->regular + first, &regular, sizeof regular);
     memcpy(l->clear + first, &clear, sizeof clear);
-#undef NUMBER
 }
 
 #undef V
@@ -258,6 +265,8 @@ static void OF_WIDTH(steps_of_)(Lanes *l, int first, const Real *inverse, int p)
 #undef vector
 #undef magnitude
 #undef chosen
+#undef below
+#undef NUMBER
 #undef expand
 #undef exponent_of
 #undef size_of

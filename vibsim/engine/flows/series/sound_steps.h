@@ -19,7 +19,7 @@ static inline void read_columns(const Run *r, const Real *columns, TapeInputs *a
     }
 }
 
-/* What the share `lost` of all that formulas read is, but for the time. */
+/* Rounding of all that formulas read but the time: the share `lost` of each. */
 static inline void blur_inputs(const Run *r, const TapeInputs *at, Real lost, TapeInputs *blur)
 {
     int c;
