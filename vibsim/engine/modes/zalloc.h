@@ -2,6 +2,7 @@
 #ifndef VIBSIM_ZALLOC_H
 #define VIBSIM_ZALLOC_H
 
+#include <stdint.h>
 #include <stdlib.h>
 
 enum { MOST = 100000 }; /* of anything in a scene or a mode */
@@ -23,16 +24,21 @@ static inline Memory zalloc(size_t count, size_t size)
     return MEMORY(calloc(count ? count : 1, size));
 }
 
-/* In front of memory that has an owner, or is one: the next of all that is freed with it. The rest keeps what follows aligned. */
-typedef union Piece {
-    union Piece *next;
-    char aligned[16];
+enum { LINE = 64 }; /* bytes that a processor fetches at once: numbers begin at one, wherever the C library puts them */
+
+/* In front of memory that has an owner, or is one: the next of all that is freed with it; where the C library has made it. */
+typedef struct Piece {
+    struct Piece *next;
+    void *made;
 } Piece;
 
 /* Zeros that are freed with `owner`; the owner itself is made so too, with NULL for its own. NULL without memory. */
 static inline void *zalloc_for(void *owner, size_t count, size_t size)
 {
-    Piece *piece = (Piece *)calloc(1, sizeof *piece + count * size);
+    char *made = (char *)calloc(1, sizeof(Piece) + LINE + count * size);
+    Piece *piece = made ? (Piece *)(((uintptr_t)made + sizeof(Piece) + LINE - 1) / LINE * LINE) - 1 : NULL;
+    if (piece)
+        piece->made = made;
     if (piece && owner) {
         piece->next = ((Piece *)owner - 1)->next;
         ((Piece *)owner - 1)->next = piece;
@@ -46,7 +52,7 @@ static inline void free_owner(void *owner)
     Piece *piece = owner ? (Piece *)owner - 1 : NULL, *next;
     for (; piece; piece = next) {
         next = piece->next;
-        free(piece);
+        free(piece->made);
     }
 }
 
