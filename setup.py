@@ -41,7 +41,13 @@ kind = os.environ.get("VIBSIM_BUILD", "")
 headers = sorted(glob(f"{ROOM}/**/*.h", recursive=True))
 
 sources = sorted(glob(f"{ROOM}/**/*.c", recursive=True))
-OF_DOUBLES = ("matrices.c", "memory.c", "events/roots/roots_alone.c", "flows/series/lanes.c")
+OF_DOUBLES = (
+    "double_functions.c",
+    "matrices.c",
+    "memory.c",
+    "events/roots/roots_alone.c",
+    "flows/series/lanes.c",
+)
 ONLY_DOUBLES = {f"{ROOM}/{file}" for file in OF_DOUBLES}
 
 

@@ -140,27 +140,28 @@ def test_other_orders_of_taylor_series_have_their_bits_too(order):
         assert beside(scenes, widest)[0] == expected
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_random_scenes_side_by_side_have_their_bits(seed):
+def steps_of_random_scenes(seed):
+    """By width, the steps side by side of random scenes, which have the bits of each by itself."""
     draw = Draws(seed)
     make = draw.sampled_from((small_scene, small_scene, part_scene, rigid_scene))
     scene = make(draw, radians=30.0, motor=True, bodies=2)
     scenes = [*varied(scene, draw.integers(2, 12)), *varied(small_scene(draw, 30.0), 2)]
-    expected = alone(scenes)
+    expected, steps = alone(scenes), {}
     for widest in WIDTHS:
-        outcomes, (_, steps_beside) = beside(scenes, widest)
+        outcomes, (_, steps[widest]) = beside(scenes, widest)
         assert outcomes == expected
-        entered[min(widest, _engine.LANES) > 0] += steps_beside > 0
+    return steps
 
 
-entered = [0, 0]  # random scenes of which runs have taken steps side by side, without lanes and with some
+@pytest.mark.parametrize("seed", range(40))
+def test_random_scenes_side_by_side_have_their_bits(seed):
+    steps_of_random_scenes(seed)
 
 
 def test_random_scenes_have_taken_steps_side_by_side():
-    entered[:] = [0, 0]
-    for seed in range(8):
-        test_random_scenes_side_by_side_have_their_bits(seed)
-    assert entered[0] == 0 and (entered[1] >= 8 or not _engine.LANES)
+    steps = [steps_of_random_scenes(seed) for seed in range(8)]
+    entered = sum(one[widest] > 0 for one in steps for widest in (8, 4))
+    assert not any(one[0] for one in steps) and (entered >= 8 or not _engine.LANES)
 
 
 def test_runs_of_any_other_scene_are_taken_by_themselves():

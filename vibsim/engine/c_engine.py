@@ -111,7 +111,7 @@ class CRun:
         ints, self._doubles = pack_scene(scene, pitches(scene), form)
         self.run = form.run(ints, self._doubles)
         self.stopped = threading.Event()
-        self.advanced: _engine.Progress | None = None  # what a call of C came to that others made
+        self.advanced: _engine.Progress | None = None  # what the next call of C came to, if made
         self.left_at: State | None = None  # before an event that was left undecided
         self.described: dict[int, Doubt] = {}  # of the first doubts, by number
         self.told = 0  # bytes of the modes that C knows
@@ -138,7 +138,7 @@ class CRun:
         self._measured, packed_extremes = extremes, extremes and pack_extremes(scene, *extremes)
         if packed_extremes:
             self.run.keep_extremes(*packed_extremes)
-        self._told_once = ints, packed_extremes
+        self._packed_once = ints, packed_extremes
         self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
         self.sample_room = self._room_for_samples(scene)
         parts = len(part_columns(scene))
@@ -151,8 +151,8 @@ class CRun:
             self._begin(*(resume or self._begun(start_of(scene, self.kit))))
 
     def begin_anew(self, scene: Scene) -> bool:
-        """Begin anew, from the start of a scene that differs in that and in numbers of its modes at most;
-        whether it does, else nothing can be done with this run any more.
+        """Begin anew from the start of a scene that differs from that of the run at most in its start and in
+        numbers of its modes. Whether that was possible: if not, this run must not be used again.
         """
         self.run.rewind(scene.t_end)
         if not self.scene.same_but_for_start(scene) and not self._takes_over(scene):
@@ -165,14 +165,14 @@ class CRun:
         return True
 
     def _takes_over(self, scene: Scene) -> bool:
-        """Go over to a scene whose modes have the same form; whether they have, and all else that C was told
-        at first holds for it.
+        """Take over the numbers of a scene. Whether that was possible: its modes have the same form, and
+        what C takes at the beginning alone is the same.
         """
         if self.integrals or any(body.kind == ROTOR for body in scene.bodies):
             return False
         ints, doubles = pack_scene(scene, pitches(scene), self.form)
         extremes = self._measured and pack_extremes(scene, *self._measured)
-        numbers = differences(self.origin.scene, scene) if self._told_once == (ints, extremes) else None
+        numbers = differences(self.origin.scene, scene) if self._packed_once == (ints, extremes) else None
         if numbers is None:
             return False
         try:
@@ -355,8 +355,8 @@ class CRun:
         return filter(None, self.blocks_beside())
 
     def blocks_beside(self) -> Iterator[Filled | None]:
-        """The same, and None in front of each call of C, which others may make then: `advanced` is what it
-        came to.
+        """The same, with None before each call of C. Others may make that call then, and set `advanced` to
+        what it came to.
         """
         finished, last_told = 0, monotonic()
         while not finished:

@@ -81,7 +81,7 @@ static void kick(Run *r)
     s->w = kicked(r, s->w, fabs(s->w));
 }
 
-/* Go on from r->state in the mode of now, with the zeros in r->known.
+/* Go on from r->state in the mode of now, with the zeros in r->known. A run that shares lanes waits there for its step.
  *
  * Short hops on a rigid stop are taken by Taylor series, which count depths from where the hop begins: the last ones of an
  * infinite sequence of impacts are lower than the rounding of displacements, in which the closed form looks for the next impact.

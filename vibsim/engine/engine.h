@@ -465,6 +465,7 @@ void tune_order(Run *r); /* take the order of the next step of the stretch, in m
 
 /* taylor.c */
 void taylor_set(Run *r);
+void taylor_open(Run *r, const State *state);
 void taylor_look(Run *r, const State *state); /* expand the motion there; no step follows */
 void taylor_enter(Run *r, const State *state);
 void taylor_continue(Run *r, const State *state); /* the same where the stretch goes on */

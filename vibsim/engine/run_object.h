@@ -29,6 +29,9 @@ int numbers_ready(void);
 int bits_fit(int bits);
 extern PyMethodDef number_functions[];
 #else
+/* double_functions.c; module.c: several runs side by side */
+extern PyMethodDef double_functions[];
+PyObject *advance_together(PyObject *module, PyObject *args);
 #define number_object PyFloat_FromDouble
 
 static inline int number_from(PyObject *object, void *out)

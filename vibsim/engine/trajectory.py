@@ -101,9 +101,9 @@ def suits_lanes(scene: Scene) -> bool:
 
 
 def advance_together(trajectories: Sequence[Trajectory]) -> None:
-    """Make the next call of C of runs that are at a None of their `blocks_beside`: side by side where they
-    suit lanes, and with the numbers that each has by itself. Those that are not `advanced` afterwards
-    wait for the next call.
+    """Make the next call of C of runs whose `blocks_beside` have yielded None: their steps side by side where
+    they suit lanes, with the numbers of each run by itself. Runs that are not `advanced` afterwards wait for
+    the next call of this function.
     """
     import vibsim.engine._engine as _engine
 
@@ -129,7 +129,7 @@ class Trajectory:
         return filter(None, self.blocks_beside())
 
     def blocks_beside(self) -> Iterator[Block | None]:
-        """The same, and None wherever `advance_together` may compute on; else the run does that itself."""
+        """The same, with None before each call of C: `advance_together` may make that call, else the run."""
         for rows in self.run.blocks_beside():
             yield self.columns.block(*rows) if rows else None
 
@@ -145,8 +145,8 @@ class Trajectory:
         self.run.stopped.set()
 
     def restart(self, scene: Scene) -> bool:
-        """Begin anew, from the start of a scene that differs in that and in numbers of its modes at most;
-        whether it does, else nothing can be done with this run any more.
+        """Begin anew from the start of a scene that differs from that of the run at most in its start and in
+        numbers of its modes. Whether that was possible: if not, this run must not be used again.
 
         What the blocks before have shown holds no longer.
         """

@@ -243,7 +243,7 @@ class Measurement:
         return next(filter(None, self.steps()))
 
     def steps(self) -> Iterator[Measured | None]:
-        """The same, and None before where the run that is `begun` may be computed beside others."""
+        """The same, with None before it wherever the run `begun` can be computed beside others."""
         run, scene, statistics = self.run, self._scene, self._statistics
         is_timed, end = _is_timed(scene), None
         for block in run.blocks_beside():

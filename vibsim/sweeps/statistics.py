@@ -130,7 +130,7 @@ class MeasuredRun:
         return filter(None, self.blocks_beside())
 
     def blocks_beside(self) -> Iterator[Block | None]:
-        """The same, and None where the run that is `begun` may be computed beside others that suit lanes."""
+        """The same, with None wherever the run `begun` can be computed beside others that suit lanes."""
         shown = self.begin == 0
         for block in self._held or self._computed():
             if block is None:

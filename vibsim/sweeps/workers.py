@@ -168,7 +168,7 @@ class Chain:
 
 ROUNDS = 4  # what is left is shared out in at least so many rounds, so that no worker idles at the end
 LARGEST = 1000  # points in a batch
-LONGER = 8  # times that a batch may take longer to fill lanes: runs side by side take less time each
+LONGER = 8  # how many times longer a batch may take, so that its runs fill the lanes
 
 Handed = list[tuple[Chain, BatchPiece]]
 

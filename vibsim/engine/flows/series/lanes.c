@@ -127,11 +127,10 @@ static void take_mode(Lanes *l, int i, Run *r)
         watch(r, &m->events[k], &l->watched[k], i);
 }
 
-/* Take the state from which a run goes on into lane i, and open its step, as `expand_at` does. */
+/* Take the state from which a run goes on into lane i, and begin its step. */
 static void take_state(Lanes *l, int i, Run *r)
 {
     const State *s = &r->state;
-    Taylor *f = &r->taylor;
     int k;
     if (l->runs[i] != r || l->modes[i] != r->mode)
         take_mode(l, i, r);
@@ -146,10 +145,8 @@ static void take_state(Lanes *l, int i, Run *r)
     for (k = 0; k < r->mode->event_count && k < MOST_WATCHED; k++)
         if (l->watched[k].known[i] >= 0)
             l->watched[k].known[i] = r->known[r->mode->events[k].key];
-    f->nearest = f->checked_at = f->latest_at = 0.0;
-    f->turns = s->turns;
-    r->closed = 0;
-    r->t0 = s->t;
+    taylor_open(r, s);
+    r->taylor.nearest = 0.0;
 }
 
 /* Lanes in a vector of this processor, at most `widest`; 0 where there are none. */
@@ -186,7 +183,7 @@ void lanes_step(Lanes *l, Run **runs, unsigned waiting)
 {
     Real nothing[(SERIES + 1) * COLUMNS];
     Taylor none, *of[RUNS_AT_ONCE], *f = NULL;
-    int i, far = 1;
+    int i, second = FAR;
     if ((waiting & (waiting - 1)) == 0) { /* one alone */
         for (i = 0; !(waiting >> i & 1); i++)
             ;
@@ -203,7 +200,7 @@ void lanes_step(Lanes *l, Run **runs, unsigned waiting)
             take_state(l, i, runs[i]);
             l->watched_count = events > l->watched_count ? events : l->watched_count;
             of[i] = f = &runs[i]->taylor;
-            far = runs[i]->bodies == 2 ? 1 : 2;
+            second = runs[i]->bodies == 2 ? FAR : ANGLE;
         }
     }
     if (l->width == 8)
@@ -212,7 +209,7 @@ void lanes_step(Lanes *l, Run **runs, unsigned waiting)
         if (waiting >> i & 0xf) {
             if (l->width == 4)
                 steps_of_4(l, i, f->inverse, f->most);
-            give_tables(l, i, f->most + 3, far == 1 ? FAR : ANGLE, far == 1 ? ANGLE : FAR, of + i);
+            give_tables(l, i, f->most + 3, second, FAR + ANGLE - second, of + i);
         }
     for (i = 0; i < RUNS_AT_ONCE; i++) {
         Run *r = runs[i];

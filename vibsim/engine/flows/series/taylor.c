@@ -56,6 +56,17 @@ static void expand_by_digits(Run *r, const State *state)
 }
 #endif
 
+/* Begin a step at `state`, of which nothing is known yet. */
+void taylor_open(Run *r, const State *state)
+{
+    Taylor *f = &r->taylor;
+    r->closed = 0;
+    r->t0 = state->t;
+    f->checked_at = f->latest_at = f->spin_rate_at = 0.0;
+    f->turns = state->turns;
+    f->clear = 0;
+}
+
 /* Expand the motion at `state` in the mode of now. What is tied to the ground or the base moves as that does and as belts carry
  * it; belts by formulas are in its velocity already.
  */
@@ -65,11 +76,7 @@ INLINE void expand_at(Run *r, const State *state)
     const Mode *m = r->mode;
     Real *first = f->table, *rates = first + f->rates;
     int c;
-    r->closed = 0;
-    r->t0 = state->t;
-    f->checked_at = f->latest_at = f->spin_rate_at = 0.0;
-    f->turns = state->turns;
-    f->clear = 0;
+    taylor_open(r, state);
     if (r->has_base)
         taylor_expand_base(r, state->t);
     for (c = 0; c < r->bodies; c++) {
