@@ -131,6 +131,44 @@ def test_the_engine_in_c_takes_no_functions_of_the_c_library_that_differ_between
     assert [name for name, program in programs.items() if calls.search(program)] == []
 
 
+SETS_OF_NUMBERS = {  # whose order is the same in every process
+    "engine/events/impacts/rigid_stops.py",
+    "engine/flows/accelerations.py",
+    "engine/flows/closed/modal_maker.py",
+    "engine/modes/ties.py",
+    "plots/overview.py",
+}
+
+
+def orders_of_sets(nodes):
+    """Lines in which something is done in the order of a set: of texts it differs from process to process."""
+    for node in nodes:
+        ordered = []
+        if isinstance(node, ast.For | ast.comprehension):
+            ordered = [node.iter]
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "join":
+            ordered = node.args
+        for one in ordered:
+            is_call = (
+                isinstance(one, ast.Call)
+                and isinstance(one.func, ast.Name)
+                and one.func.id in ("set", "frozenset")
+            )
+            if is_call or isinstance(one, ast.Set | ast.SetComp):
+                yield one.lineno
+
+
+def test_nothing_is_done_in_the_order_of_a_set_of_texts():
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        nodes = nodes_of(path.read_text(encoding="utf-8"))
+        if lines := list(orders_of_sets(nodes)):
+            found[path.relative_to(PACKAGE).as_posix()] = lines
+    assert found.keys() == SETS_OF_NUMBERS, found
+    seen = "', '.join({a}); for a in set(b): pass"
+    assert len(list(orders_of_sets(nodes_of(seen.replace("; ", "\n"))))) == 2
+
+
 def digests_of_results(words, **switches):
     """What `tests.digests` prints under switches of the environment."""
     environment = {name: value for name, value in os.environ.items() if name not in SWITCHES} | switches

@@ -1,6 +1,7 @@
 """Extremes that the engine keeps as it runs: against closed forms and fine samples."""
 
 import math
+import random
 from dataclasses import replace
 
 import numpy as np
@@ -132,3 +133,17 @@ def test_a_long_run_without_events_can_be_left():
     trajectory = open_trajectory(scene, section=True, extremes=([(0, GROUND)], 0.0))
     assert sum(1 for _ in trajectory.blocks()) > 4
     assert trajectory.extremes[1] == pytest.approx([0.001], rel=4e-15)
+
+
+def test_a_turn_near_a_point_of_inflection_is_found():
+    """A drift against a ripple turns just before its velocity is least, where the curve bends both ways."""
+    ripple = 1 / (2 * math.pi)  # of the velocity, F / (m w)
+    draw = random.Random(3)
+    for _ in range(100):
+        speed, length = ripple * draw.uniform(0.8, 0.999), draw.uniform(0.7, 0.9)
+        scene = scene_of(PUSHED, {"a.v": speed, "f.phase": "90 deg"}, t_end=length, every=1)
+        _, (_, greatest, _), _ = run(scene, [(0, GROUND)])
+        turn = 0.5 + math.asin(speed / ripple) / (2 * math.pi)
+        turns = [t for t in (turn, length) if t <= length]
+        x = [speed * t + ripple * (1 - math.cos(2 * math.pi * t)) / (2 * math.pi) for t in turns]
+        assert greatest[0] == pytest.approx(max(x), rel=1e-14)

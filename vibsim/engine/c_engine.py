@@ -139,7 +139,7 @@ class CRun:
         if packed_extremes:
             self.run.keep_extremes(*packed_extremes)
         self._packed_once = ints, packed_extremes
-        self.extremes = (len(extremes[0]) + (scene.motor is not None)) if extremes else 0
+        self.extremes = len(extremes[0]) if extremes else 0
         self.sample_room = self._room_for_samples(scene)
         parts = len(part_columns(scene))
         self.event_room = max(form.room(EVENT_ROOM), min(EVENT_ROOM, 64 + 4 * parts))

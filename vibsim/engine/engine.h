@@ -340,8 +340,8 @@ typedef struct {
     Real gap;
 } Gap;
 
-/* Extremes of x_P - x_Q of `pairs` pairs of columns and of the rotor's speed: low and high in the present period, least and
- * greatest in all; node: values, then rates, where the stretch is worked out to; count is 0 where nothing is kept.
+/* Extremes of x_P - x_Q of `pairs` pairs of columns and of the rotor's speed: low and high in the present period (of the speed in all),
+ * least and greatest in all; node: values, then rates, where the stretch is worked out to; count is 0 where nothing is kept.
  */
 typedef struct {
     int pairs, count, gap_count, based, has_node, *P, *Q;

@@ -148,11 +148,32 @@ static void turn(Run *r, int q, Node left, Node right)
     }
 }
 
+/* Whether the turn between two nodes may be a new extreme, or a gap smaller than those before. Where the cubic through both bends one
+ * way, it is not beyond the place where its tangents there meet.
+ */
+static int may_count(const Run *r, int q, const Node *left, const Node *right)
+{
+    const Extremes *e = &r->extremes;
+    const Real length = right->t - left->t, bend = right->rate - left->rate;
+    const Real meeting = (right->rate * length - (right->value - left->value)) / bend, beyond = left->value + left->rate * meeting;
+    const int falling = left->rate < 0;
+    int i;
+    if (!(length < 3 * meeting && 3 * meeting < 2 * length) || (falling ? beyond < e->low[q] : beyond > e->high[q]))
+        return 1;
+    for (i = 0; i < e->gap_count; i++) {
+        const Gap *g = &e->gaps[i];
+        if (g->pair == q && (g->sense > 0) == falling && g->gap + g->sense * beyond < e->margins[i])
+            return 1;
+    }
+    return 0;
+}
+
 /* Find what turns between two nodes: one turn where the rate changes sign; where it may turn twice, each half in turn. */
 static void span(Run *r, int q, Node left, Node right, int halvings)
 {
     if (left.rate * right.rate < 0) {
-        turn(r, q, left, right);
+        if (may_count(r, q, &left, &right))
+            turn(r, q, left, right);
     } else if (halvings > 0 && may_turn_twice(&left, &right)) {
         Real t = left.t + (right.t - left.t) / 2;
         if (left.t < t && t < right.t) {
@@ -205,10 +226,10 @@ int extremes_until(Run *r, Real end, int bounded)
             return 0;
         measure(r, ahead, -1, e->ahead, e->ahead + e->count);
         r->spent += 1;
-        for (q = 0; q < e->count; q++)
-            span(r, q, node_of(e, q, e->at, e->node), node_of(e, q, ahead, e->ahead), HALVINGS);
-        for (q = 0; q < e->count; q++)
+        for (q = 0; q < e->count; q++) {
             take(e, q, e->ahead[q]);
+            span(r, q, node_of(e, q, e->at, e->node), node_of(e, q, ahead, e->ahead), HALVINGS);
+        }
         before = e->node;
         e->node = e->ahead;
         e->ahead = before;
@@ -217,14 +238,14 @@ int extremes_until(Run *r, Real end, int bounded)
     return 1;
 }
 
-/* End a period; its extremes go into the rows behind the state of the section. */
+/* End a period; its extremes go into the rows behind the state of the section. Those of the rotor are of all periods. */
 void extremes_close(Run *r, Real *row, long room)
 {
     Extremes *e = &r->extremes;
     int q;
-    for (q = 0; q < e->count; q++) {
+    for (q = 0; q < e->pairs; q++) {
         row[q * room] = e->low[q];
-        row[(e->count + q) * room] = e->high[q];
+        row[(e->pairs + q) * room] = e->high[q];
         if (e->has_node)
             e->low[q] = e->high[q] = e->node[q];
     }

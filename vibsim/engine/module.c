@@ -99,7 +99,7 @@ static void Run_dealloc(RunObject *self)
 
 static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
 {
-    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(Real), section = state + 2 * r->extremes.count;
+    Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(Real), section = state + 2 * r->extremes.pairs;
     memset(b, 0, sizeof *b);
     b->samples = (Real *)views[0].buf;
     b->sample_modes = (signed char *)views[1].buf;

@@ -236,7 +236,7 @@ def check_outputs(jobs: list[Job], force: bool) -> None:
 
     The folder of several is made where it is missing.
     """
-    for folder in {job.folder for job in jobs if job.folder is not None}:
+    for folder in dict.fromkeys(job.folder for job in jobs if job.folder is not None):
         try:
             folder.mkdir(exist_ok=True)
         except OSError as error:

@@ -319,7 +319,8 @@ class SwitchSides(Generic[N]):
                 resting = {i: exact for i, exact in unsure.items() if i not in going}
                 self.doubt(state, departures, resting, START)
                 return status, known
-        raise EngineError("held", state, ", ".join({self.rows.owners[i] for i in unsure}))
+        held = dict.fromkeys(self.rows.owners[i] for i in sorted(unsure))
+        raise EngineError("held", state, ", ".join(held))
 
     def _reading(self, turned: int) -> set[int]:
         """The switches whose arguments read switch number `turned`."""

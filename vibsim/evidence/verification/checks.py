@@ -297,7 +297,7 @@ def match_events(truth: Sequence[Event], within: Sequence[float], events: Sequen
     Both sequences ascend in time. Kinds are matched one by one: two events at one instant have no order.
     """
     pairs: list[tuple[int, int]] = []
-    for kind in {kind for kind, _ in truth}:
+    for kind in dict.fromkeys(kind for kind, _ in truth):
         ours = [i for i, event in enumerate(truth) if event[0] == kind]
         theirs = [j for j, event in enumerate(events) if event[0] == kind]
         while ours and theirs:

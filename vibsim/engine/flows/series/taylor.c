@@ -202,6 +202,12 @@ static int moved_by_formula(const Mode *m)
     return m->base_values.op_count > 0 || m->follower_count > 0;
 }
 
+/* Whether event function number i is among those that stay positive on the whole step. */
+static int is_clear(unsigned clear, int i)
+{
+    return i < MOST_WATCHED && clear >> i & 1;
+}
+
 /* Doubt that the zero of `first`, at time `end`, is the first, where that of another event may come as soon. A touch is in doubt
  * by itself. Returns the event to be taken: a switch that is due there as well goes before all others where it may move base or belts.
  */
@@ -209,14 +215,16 @@ static int certify_order(Run *r, int first, Real end)
 {
     const Mode *m = r->mode;
     Real tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
+    unsigned clear;
     int chosen = first, i;
     near_zero(r, &m->events[first], tau, &value, &slope, &noise);
     if (slope >= 0)
         return first;
     latest = latest_zero(value, slope, noise, end);
+    clear = latest <= r->t0 + r->taylor.h ? r->taylor.clear : 0;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        if (i == first || !near_zero(r, e, tau, &other, &fall, &blur) || !may_vanish_by(other, fall, blur, latest))
+        if (i == first || is_clear(clear, i) || !near_zero(r, e, tau, &other, &fall, &blur) || !may_vanish_by(other, fall, blur, latest))
             continue;
         if (!(other == value && fall == slope) || order_is_open(r, &m->events[first], e))
             doubt(&r->certificate, r->t0, end, WHICH_IS_FIRST, first, i);
@@ -259,7 +267,7 @@ Real taylor_advance(Run *r, Real limit, int *event)
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         int count, outcome;
-        if (i < MOST_WATCHED && f->clear >> i & 1)
+        if (is_clear(f->clear, i))
             continue;
         count = taylor_polynomial(r, e, coefficients);
         if (e->kind == STRIKE && r->known[e->key] == 0 && coefficients[0] == 0 && closes(coefficients, count)) {
