@@ -54,6 +54,11 @@ def pendulum_period(angle: float) -> float:
     return 4 * float(ellipk(sin(angle / 2) ** 2))
 
 
+def open_valve() -> float:
+    """x^2 (x + 10) = 40^2, the one root above 0 [m]."""
+    return float(max(np.roots([1.0, 10.0, 0.0, -1600.0]).real))
+
+
 # The limit cycle of van der Pol.
 
 

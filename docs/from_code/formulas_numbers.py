@@ -153,6 +153,19 @@ FORMULAS: dict[str, tuple[Number, ...]] = {
             ROUNDING,
         ),
     ),
+    "relief-valve": (
+        Number(
+            "place at which much flow, q = 40, holds the disc",
+            Kind.CLOSED_FORM,
+            ours.open_valve(),
+            "m",
+            "x sqrt(x + delta) = q, a cubic equation",
+            partial(ours.at_sample, column="x_disc", t=60, changes={"q": "40"}),
+            2e-12,
+            SETTLED,
+        ),
+        solved("place of the disc at 20 s", 0.40674506444, "m", "x_disc", 20, 5e-11),
+    ),
     "two-exciters": (
         Number(
             "angle between the exciters",

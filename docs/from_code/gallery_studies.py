@@ -224,6 +224,16 @@ STUDIES: dict[str, Study] = {
         "Orbit diagram over the frequency of the hammer",
         (("-s feed.F0='40 N'", "pressed harder, the bit advances more than twice as far"),),
     ),
+    "relief-valve": Study(
+        "--param q=0.5:10/96 --t-end 400s",
+        "amplitude",
+        "Amplitude over the flow: with impacts, without them, and at rest",
+        (
+            ("-s q=8", "flutter without an impact"),
+            ("-s q=1", "every fourth cycle is alike"),
+            ("-s q=10", "held open"),
+        ),
+    ),
     "pile-driver": Study(
         "",
         "velocity",
