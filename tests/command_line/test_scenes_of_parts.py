@@ -193,6 +193,11 @@ def test_an_orbit_by_turns_of_a_rotor_is_told(tmp_path):
     assert held["orbit"][0].startswith("1 turn, 0.10529671")
 
 
+def test_a_number_without_unit_has_the_unit_1():
+    lines = lines_of(call("orbit", "gallery/relief-valve").stdout)
+    assert lines["state"][1] == "in m, 1, on the section v_disc = 0, at the greatest displacement of disc"
+
+
 def test_of_the_peers_only_the_closed_form_takes_no_formulas():
     scene = case_of(MACHINE).scene()
     refusals = {family.name: family.refusal(scene) for family in FAMILIES}

@@ -173,7 +173,7 @@ class Coordinates:
         if i >= 2 * n:
             return ("rad", "rad/s")[i - 2 * n]
         if bodies[i % n].kind == STATE:
-            return dict(self.scene.state_units).get(bodies[i % n].name, "")
+            return dict(self.scene.state_units).get(bodies[i % n].name) or "1"
         unit = self.scene.unit_of(bodies[i % n])
         return unit + ("" if i < n else "/s")
 

@@ -348,7 +348,8 @@ def growing(points: np.ndarray, coordinates: Coordinates, n: int = 1) -> str | N
     rates, grown = behind * n / third, np.flatnonzero(steady)
     speeds = [i for i in grown if coordinates.units[i] != "m"]
     told = [
-        f"{coordinates.names[i]} by {number(rates[i], 4)} {coordinates.units[i]}" for i in speeds or grown
+        f"{coordinates.names[i]} by {number(rates[i], 4)} {coordinates.units[i]}".removesuffix(" 1")
+        for i in speeds or grown
     ]
     every = "period" if n == 1 else f"{n} periods"
     changes = f"the run does not repeat itself: in each {every} it changes {' and '.join(told)}"
