@@ -18,9 +18,9 @@ import numpy as np
 
 from vibsim.cases import load_case
 from vibsim.results.store import from_plain
-from vibsim.sweeps.computations import COMPUTATIONS
-from vibsim.sweeps.points import SweepPoint, Table, compute_point
-from vibsim.sweeps.quantities import DONE
+from vibsim.sweeps.computations import COMPUTATIONS, fitting
+from vibsim.sweeps.points import BatchPiece, SweepPoint, Table, compute_batch, compute_point
+from vibsim.sweeps.quantities import DONE, quantities_of
 from vibsim.sweeps.statistics import MeasuredRun, sampled_for_statistics
 from vibsim.sweeps.sweep_file import SweepStore, write_sweep
 from vibsim.sweeps.sweep_plan import SweepPlan
@@ -50,7 +50,7 @@ def grid(points, t_end="300 s", **settings):
 
 
 def computing():
-    """CPU time of points of 300 s: engine alone, the whole point, and with each computation."""
+    """CPU time of points of 300 s: engine alone, the whole point, many at once, and with each computation."""
     plan = grid(200)
     indices = [(i, 0, 0) for i in range(0, 100, 10)]
 
@@ -64,13 +64,17 @@ def computing():
         settings = grid(200, compute=names).point_settings
         return lambda: [compute_point(settings, i, plan.changes(i), None) for i in indices]
 
+    together = [(i, 0, 0) for i in range(0, 100, 3)]
+    piece = BatchPiece(tuple((i, plan.changes(i)) for i in together), None)
+    batch = cpu(lambda: compute_batch(plan.point_settings, (piece,))) / len(together)
     alone = cpu(engine) / len(indices)
     whole = cpu(points([])) / len(indices)
     case = cpu(lambda: [plan.point_case(i).sha256 for i in indices]) / len(indices)
     print(f"engine, a point of 300 s       {alone * 1e3:8.2f} ms")
     print(f"  + case, statistics, section  {whole * 1e3:8.2f} ms  (+{(whole / alone - 1) * 100:.0f} %)")
     print(f"    of which its case          {case * 1e3:8.2f} ms")
-    for name in COMPUTATIONS:
+    print(f"a point in a batch             {batch * 1e3:8.2f} ms")
+    for name in fitting(COMPUTATIONS, quantities_of(plan.case)):
         print(f"  + {name:<26s} {(cpu(points([name])) / len(indices) - whole) * 1e3:8.2f} ms")
 
 
