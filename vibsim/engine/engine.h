@@ -71,11 +71,16 @@ typedef struct {
     Single single;
 } Slope;
 
+/* What follows an event, see rules.c: the modes behind it; the kind and part of what is told of it; the zero behind it. */
+typedef struct {
+    int kind, target, other, hold, event, part, key, order;
+} Rule;
+
 typedef struct {
     Real constant, size;
     int kind, part, key, turns, first, terms, first_slope, slopes;
     Single single;
-    int rule, target, other, hold, event, event_part, event_key, order; /* what follows, see rules.c; the zero behind */
+    Rule rule;
 } Event;
 
 /* Constants of y'' + 2 a y' + b y under a load of frequency omega. w0: sqrt(b); wd: damped frequency, or kappa of exp((-a +-

@@ -119,7 +119,7 @@ static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
     return 0;
 }
 
-static PyObject *fill(RunObject *self, PyObject *args)
+PyObject *Run_fill(RunObject *self, PyObject *args)
 {
     Py_buffer v[BUFFERS];
     Buffers b;
@@ -178,7 +178,7 @@ static int read_known(const Run *r, const Py_buffer *view, int *known)
     return 0;
 }
 
-static PyObject *start(RunObject *self, PyObject *args)
+PyObject *Run_start(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
     Py_buffer v[2];
@@ -206,7 +206,7 @@ static PyObject *start(RunObject *self, PyObject *args)
     return result;
 }
 
-static PyObject *rewind_run(RunObject *self, PyObject *args)
+PyObject *Run_rewind(RunObject *self, PyObject *args)
 {
     Real t_end;
     if (!PyArg_ParseTuple(args, "O&", number_from, &t_end) || !run_is_idle(self))
@@ -217,7 +217,7 @@ static PyObject *rewind_run(RunObject *self, PyObject *args)
 }
 
 /* The doubles of a scene of the same shape, whose modes are renewed where rows hold others; a start has to follow. */
-static PyObject *retune(RunObject *self, PyObject *args)
+PyObject *Run_retune(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
     Reader in;
@@ -234,7 +234,7 @@ static PyObject *retune(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-static PyObject *advance(RunObject *self, PyObject *args)
+PyObject *Run_advance(RunObject *self, PyObject *args)
 {
     const double whole = self->run.work_at_once;
     double work = whole;
@@ -314,7 +314,7 @@ static int pending_order(const Run *r)
     return e == NULL || (e->kind != STRIKE && r->pending_tau != 0) ? 0 : r->known[e->key];
 }
 
-static PyObject *pending(RunObject *self, PyObject *none)
+PyObject *Run_pending(RunObject *self, PyObject *none)
 {
     (void)none;
     if (!run_is_ready(self))
@@ -323,7 +323,7 @@ static PyObject *pending(RunObject *self, PyObject *none)
                          state_tuple(&self->run, &self->run.next));
 }
 
-static PyObject *take(RunObject *self, PyObject *args)
+PyObject *Run_take(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
     Py_buffer v[4];
@@ -348,7 +348,7 @@ static PyObject *take(RunObject *self, PyObject *args)
     return result;
 }
 
-static PyObject *add_entry(RunObject *self, PyObject *args)
+PyObject *Run_add_entry(RunObject *self, PyObject *args)
 {
     Ledger *l = &self->run.ledger;
     Real value;
@@ -363,7 +363,7 @@ static PyObject *add_entry(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-static PyObject *doubt_here(RunObject *self, PyObject *args)
+PyObject *Run_doubt(RunObject *self, PyObject *args)
 {
     Certificate *c = &self->run.certificate;
     Real t;
@@ -377,7 +377,7 @@ static PyObject *doubt_here(RunObject *self, PyObject *args)
 /* States at ascending times and what each part does then, into their columns, from the time with the index `made` on. Events on
  * the way are recorded nowhere.
  */
-static PyObject *states_at(RunObject *self, PyObject *args)
+PyObject *Run_states_at(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
     Py_buffer v[3];
@@ -410,112 +410,19 @@ static PyObject *states_at(RunObject *self, PyObject *args)
     return answer;
 }
 
-#define ALONE(method)                                                                                                 \
-    static PyObject *method##_alone(RunObject *self, PyObject *args)                                                  \
+#define ALONE(name, flags, text)                                                                                      \
+    static PyObject *name##_alone(RunObject *self, PyObject *args)                                                    \
     {                                                                                                                 \
         PyObject *answer;                                                                                             \
         Py_BEGIN_CRITICAL_SECTION(self);                                                                              \
-        answer = method(self, args);                                                                                  \
+        answer = Run_##name(self, args);                                                                              \
         Py_END_CRITICAL_SECTION();                                                                                    \
         return answer;                                                                                                \
     }
-ALONE(run_add_mode)
-ALONE(run_forget_modes)
-ALONE(run_renew_mode)
-ALONE(run_keep_ledger)
-ALONE(run_set_integrals)
-ALONE(run_set_slopes)
-ALONE(run_keep_tangent)
-ALONE(run_keep_extremes)
-ALONE(run_keep_impacts)
-ALONE(run_keep_section)
-ALONE(run_record_from)
-ALONE(run_pause_at)
-ALONE(run_dither)
-ALONE(run_kick)
-ALONE(run_set_rule)
-ALONE(fill)
-ALONE(start)
-ALONE(rewind_run)
-ALONE(retune)
-ALONE(advance)
-ALONE(pending)
-ALONE(take)
-ALONE(add_entry)
-ALONE(doubt_here)
-ALONE(run_doubts)
-ALONE(states_at)
-ALONE(run_at_begin)
-ALONE(run_extremes)
-ALONE(run_disturbances)
-ALONE(run_outcome)
-ALONE(run_hand_jump)
-ALONE(run_tally)
-ALONE(run_look)
-ALONE(run_derivatives)
-ALONE(run_bounds)
-ALONE(run_formulas)
+RUN_METHODS(ALONE)
 
-static PyMethodDef methods[] = {
-    {"add_mode", (PyCFunction)run_add_mode_alone, METH_VARARGS, "add_mode(ints, doubles) -> its number"},
-    {"forget_modes", (PyCFunction)run_forget_modes_alone, METH_NOARGS,
-     "forget_modes() -> the number that the mode of now had: it is 0 then, the only one, and has no rules"},
-    {"renew_mode", (PyCFunction)run_renew_mode_alone, METH_VARARGS,
-     "renew_mode(mode, ints, doubles): other numbers in rows of the same form; `rewind` and `start` have to follow"},
-    {"keep_ledger", (PyCFunction)run_keep_ledger_alone, METH_VARARGS, "keep_ledger(ints, doubles): before the start"},
-    {"set_integrals", (PyCFunction)run_set_integrals_alone, METH_VARARGS, "set_integrals(mode, ints, doubles): what the ledger integrates there"},
-    {"set_slopes", (PyCFunction)run_set_slopes_alone, METH_VARARGS, "set_slopes(mode, ints, doubles): derivatives of its formulas"},
-    {"keep_tangent", (PyCFunction)run_keep_tangent_alone, METH_VARARGS, "keep_tangent(ints, doubles): before the start"},
-    {"keep_extremes", (PyCFunction)run_keep_extremes_alone, METH_VARARGS, "keep_extremes(ints, doubles): before the start and `fill`"},
-    {"keep_impacts", (PyCFunction)run_keep_impacts_alone, METH_VARARGS, "keep_impacts(ints, doubles): before the start"},
-    {"keep_section", (PyCFunction)run_keep_section_alone, METH_VARARGS,
-     "keep_section(cycles, cycles_lo, turns, rotor): the period, or the rotor whose turns it is, else -1; before the start"},
-    {"record_from", (PyCFunction)run_record_from_alone, METH_VARARGS,
-     "record_from(samples, section): times [s] before which they are left out; before the start"},
-    {"pause_at", (PyCFunction)run_pause_at_alone, METH_VARARGS, "pause_at(t): where `advance` ends, behind the stretch that reaches t"},
-    {"dither", (PyCFunction)run_dither_alone, METH_VARARGS, "dither(which): how the times of events are moved; before the start"},
-    {"kick", (PyCFunction)run_kick_alone, METH_VARARGS,
-     "kick(seed): have states moved as doubles round, from the next start on; 0: not"},
-    {"set_rule", (PyCFunction)run_set_rule_alone, METH_VARARGS,
-     "set_rule(mode, event, (rule, target, other, hold, kind, part, key, order)): what follows the event"},
-    {"fill", (PyCFunction)fill_alone, METH_VARARGS,
-     "fill(samples, sample_modes, events, event_codes, section): arrays that take what is computed from now on, from their start"},
-    {"start", (PyCFunction)start_alone, METH_VARARGS, "start(mode, state, known) -> as advance\n\n"
-     "known: order by key; below zero that of a zero to be looked at once more."},
-    {"rewind", (PyCFunction)rewind_run_alone, METH_VARARGS,
-     "rewind(t_end): as before the start, without disturbances; modes and rules are kept"},
-    {"retune", (PyCFunction)retune_alone, METH_VARARGS,
-     "retune(doubles): the numbers of another scene of the same modes; `rewind` and `start` have to follow"},
-    {"advance", (PyCFunction)advance_alone, METH_VARARGS,
-     "advance(work) -> (samples, events, section, finished, status): how many the arrays hold\n\n"
-     "Compute on until an array is full, a slice of work is done, Python has to decide or the run ends.\n"
-     "work: 1 ends the slice behind one stretch, 0 behind an event that has its rule now; a slice of its own without it."},
-    {"pending", (PyCFunction)pending_alone, METH_NOARGS, "pending() -> (mode, event, order of its zero at the start of the stretch, state) that Python has to decide"},
-    {"take", (PyCFunction)take_alone, METH_VARARGS,
-     "take(mode, state, known, kinds, parts) -> as advance\n\n"
-     "Go on behind the pending event; known: order by key, -1 where nothing is said."},
-    {"add_entry", (PyCFunction)add_entry_alone, METH_VARARGS, "add_entry(entry, value): to the ledger, what an event adds"},
-    {"doubt", (PyCFunction)doubt_here_alone, METH_VARARGS, "doubt(t) -> its number among the doubts that are described: count what happened at t as not proved; -1 where it is counted already or they are enough"},
-    {"doubts", (PyCFunction)run_doubts_alone, METH_NOARGS, "doubts() -> the first of them: (time, reason, mode, event, other)"},
-    {"states_at", (PyCFunction)states_at_alone, METH_VARARGS,
-     "states_at(times, states, codes, made) -> how many there are now: call again for more; what became of the run"},
-    {"at_begin", (PyCFunction)run_at_begin_alone, METH_VARARGS, "at_begin(out): fills a column with the state at the time from which samples are recorded"},
-    {"extremes", (PyCFunction)run_extremes_alone, METH_NOARGS, "extremes() -> lists of the least, the greatest, the smallest gaps"},
-    {"disturbances", (PyCFunction)run_disturbances_alone, METH_NOARGS, "disturbances() -> disturbances and how close events were to tangency"},
-    {"outcome", (PyCFunction)run_outcome_alone, METH_VARARGS,
-     "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to"},
-    {"hand_jump", (PyCFunction)run_hand_jump_alone, METH_VARARGS,
-     "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances"},
-    {"look", (PyCFunction)run_look_alone, METH_VARARGS,
-     "look(mode, state) -> length of a step: expand the motion there; of a run that is not started"},
-    {"derivatives", (PyCFunction)run_derivatives_alone, METH_VARARGS,
-     "derivatives(event, count) -> those of order 0 to `count` of an event function where the motion was looked at"},
-    {"bounds", (PyCFunction)run_bounds_alone, METH_VARARGS,
-     "bounds(event, count, exact, summed, span) -> of the rounding of derivatives, see `taylor_bounds` in engine.h"},
-    {"formulas", (PyCFunction)run_formulas_alone, METH_NOARGS, "formulas() -> values of the outputs of the mode's tape there"},
-    {"tally", (PyCFunction)run_tally_alone, METH_NOARGS, "tally() -> dict of state, counts and margins"},
-    {NULL, NULL, 0, NULL},
-};
+#define ENTRY(name, flags, text) {#name, (PyCFunction)name##_alone, flags, text},
+static PyMethodDef methods[] = {RUN_METHODS(ENTRY){NULL, NULL, 0, NULL}};
 
 static void describe_type(void)
 {

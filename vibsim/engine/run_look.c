@@ -4,7 +4,7 @@
 #include "run_object.h"
 
 /* Expand the motion of a mode at a state; the longest step from there. */
-PyObject *run_look(RunObject *self, PyObject *args)
+PyObject *Run_look(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
     Py_buffer v;
@@ -43,7 +43,7 @@ static const Event *event_of(RunObject *self, int event, int count)
     return NULL;
 }
 
-PyObject *run_derivatives(RunObject *self, PyObject *args)
+PyObject *Run_derivatives(RunObject *self, PyObject *args)
 {
     Series series;
     Real factorial = 1.0;
@@ -59,7 +59,7 @@ PyObject *run_derivatives(RunObject *self, PyObject *args)
     return list_of(series, count + 1, 1);
 }
 
-PyObject *run_bounds(RunObject *self, PyObject *args)
+PyObject *Run_bounds(RunObject *self, PyObject *args)
 {
     Series bounds;
     Real span;
@@ -72,7 +72,7 @@ PyObject *run_bounds(RunObject *self, PyObject *args)
     return list_of(bounds, count + 1, 1);
 }
 
-PyObject *run_formulas(RunObject *self, PyObject *none)
+PyObject *Run_formulas(RunObject *self, PyObject *none)
 {
     const Run *r = &self->run;
     const Tape *tape;

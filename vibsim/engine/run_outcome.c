@@ -18,7 +18,7 @@ PyObject *state_tuple(const Run *r, const State *s)
                          number_object(s->turns), number_object(s->w));
 }
 
-PyObject *run_tally(RunObject *self, PyObject *none)
+PyObject *Run_tally(RunObject *self, PyObject *none)
 {
     const Run *r = &self->run;
     PyObject *counts, *entries;
@@ -35,7 +35,7 @@ PyObject *run_tally(RunObject *self, PyObject *none)
                          "first_violation", number_object(r->first_violation), "mode", r->mode_number, "singular", r->singular);
 }
 
-PyObject *run_doubts(RunObject *self, PyObject *none)
+PyObject *Run_doubts(RunObject *self, PyObject *none)
 {
     const Certificate *c = &self->run.certificate;
     const int count = described(c);
@@ -58,7 +58,7 @@ PyObject *run_doubts(RunObject *self, PyObject *none)
 }
 
 /* The state where samples begin, into the column `out` as samples are written; not before the run has come there. */
-PyObject *run_at_begin(RunObject *self, PyObject *args)
+PyObject *Run_at_begin(RunObject *self, PyObject *args)
 {
     const Run *r = &self->run;
     Py_buffer view;
@@ -109,7 +109,7 @@ static PyObject *table_of(const Real *values, int count, int width, int step, in
     return list;
 }
 
-PyObject *run_extremes(RunObject *self, PyObject *none)
+PyObject *Run_extremes(RunObject *self, PyObject *none)
 {
     const Extremes *e = &self->run.extremes;
     (void)none;
@@ -118,7 +118,7 @@ PyObject *run_extremes(RunObject *self, PyObject *none)
     return Py_BuildValue("NNN", list_of(e->least, e->count, 1), list_of(e->greatest, e->count, 1), list_of(e->margins, e->gap_count, 1));
 }
 
-PyObject *run_disturbances(RunObject *self, PyObject *none)
+PyObject *Run_disturbances(RunObject *self, PyObject *none)
 {
     const Tangent *b = self->run.tangent;
     (void)none;
@@ -142,7 +142,7 @@ PyObject *run_disturbances(RunObject *self, PyObject *none)
  * when the first was; t, x and v of each body, phase, turns, w; rates of x, v, phi, w where there is a motor; disturbances, one
  * after the other. Rates and disturbances are left out where none were carried. How many numbers there are.
  */
-PyObject *run_outcome(RunObject *self, PyObject *args)
+PyObject *Run_outcome(RunObject *self, PyObject *args)
 {
     const Run *r = &self->run;
     const Tangent *b = r->tangent;

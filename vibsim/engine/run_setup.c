@@ -34,7 +34,7 @@ int run_is_idle(RunObject *self)
     return !self->busy;
 }
 
-PyObject *run_add_mode(RunObject *self, PyObject *args)
+PyObject *Run_add_mode(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
     Reader in;
@@ -59,7 +59,7 @@ PyObject *run_add_mode(RunObject *self, PyObject *args)
 }
 
 /* Forget all modes but that of a run under way, which becomes number 0 and loses the rules of its events. */
-PyObject *run_forget_modes(RunObject *self, PyObject *args)
+PyObject *Run_forget_modes(RunObject *self, PyObject *args)
 {
     (void)args;
     if (!run_is_ready(self))
@@ -68,7 +68,7 @@ PyObject *run_forget_modes(RunObject *self, PyObject *args)
 }
 
 /* A mode with other numbers in rows of the same form: what follows its events stays. */
-PyObject *run_renew_mode(RunObject *self, PyObject *args)
+PyObject *Run_renew_mode(RunObject *self, PyObject *args)
 {
     Py_buffer v[2];
     Reader in;
@@ -116,7 +116,7 @@ static PyObject *keep_before_start(RunObject *self, PyObject *args, int late, in
     Py_RETURN_NONE;
 }
 
-PyObject *run_keep_ledger(RunObject *self, PyObject *args)
+PyObject *Run_keep_ledger(RunObject *self, PyObject *args)
 {
     return keep_before_start(self, args, self->started || self->run.ledger.entries, ledger_read, NULL, "a ", "ledger");
 }
@@ -149,7 +149,7 @@ static int waits_for_integrals(const Run *r, const Mode *m)
     return r->ledger.wanted && !m->integrals.integrals;
 }
 
-PyObject *run_set_integrals(RunObject *self, PyObject *args)
+PyObject *Run_set_integrals(RunObject *self, PyObject *args)
 {
     return set_of_mode(self, args, waits_for_integrals, integrals_read, "integrals");
 }
@@ -161,7 +161,7 @@ static int waits_for_slopes(const Run *r, const Mode *m)
 }
 
 /* Derivatives of the formulas of a mode, where disturbances are carried. */
-PyObject *run_set_slopes(RunObject *self, PyObject *args)
+PyObject *Run_set_slopes(RunObject *self, PyObject *args)
 {
     return set_of_mode(self, args, waits_for_slopes, slopes_read, "derivatives");
 }
@@ -173,24 +173,24 @@ static void drop_tangent(Run *r)
 }
 
 /* Small disturbances to carry along. */
-PyObject *run_keep_tangent(RunObject *self, PyObject *args)
+PyObject *Run_keep_tangent(RunObject *self, PyObject *args)
 {
     return keep_before_start(self, args, self->started || self->run.tangent, tangent_read, drop_tangent, "", "disturbances");
 }
 
-PyObject *run_keep_extremes(RunObject *self, PyObject *args)
+PyObject *Run_keep_extremes(RunObject *self, PyObject *args)
 {
     int late = self->started || self->view_count || self->run.extremes.numbers;
     return keep_before_start(self, args, late, extremes_read, NULL, "", "extremes");
 }
 
 /* Rigid stops whose impacts C may take, in place of those kept before. */
-PyObject *run_keep_impacts(RunObject *self, PyObject *args)
+PyObject *Run_keep_impacts(RunObject *self, PyObject *args)
 {
     return keep_before_start(self, args, self->started, impacts_read, NULL, "", "rigid stops");
 }
 
-PyObject *run_keep_section(RunObject *self, PyObject *args)
+PyObject *Run_keep_section(RunObject *self, PyObject *args)
 {
     Section *s = &self->run.section;
     int rotor;
@@ -203,21 +203,21 @@ PyObject *run_keep_section(RunObject *self, PyObject *args)
 }
 
 /* Times before which samples and section are not recorded. */
-PyObject *run_record_from(RunObject *self, PyObject *args)
+PyObject *Run_record_from(RunObject *self, PyObject *args)
 {
     if (!PyArg_ParseTuple(args, "O&O&", number_from, &self->run.samples_from, number_from, &self->run.section_from))
         return NULL;
     Py_RETURN_NONE;
 }
 
-PyObject *run_pause_at(RunObject *self, PyObject *args)
+PyObject *Run_pause_at(RunObject *self, PyObject *args)
 {
     if (!PyArg_ParseTuple(args, "O&", number_from, &self->run.pause))
         return NULL;
     Py_RETURN_NONE;
 }
 
-PyObject *run_dither(RunObject *self, PyObject *args)
+PyObject *Run_dither(RunObject *self, PyObject *args)
 {
     int dither;
     if (!PyArg_ParseTuple(args, "i", &dither))
@@ -228,40 +228,34 @@ PyObject *run_dither(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-PyObject *run_kick(RunObject *self, PyObject *args)
+PyObject *Run_kick(RunObject *self, PyObject *args)
 {
     if (!PyArg_ParseTuple(args, "K", &self->run.kicks))
         return NULL;
     Py_RETURN_NONE;
 }
 
-PyObject *run_set_rule(RunObject *self, PyObject *args)
+PyObject *Run_set_rule(RunObject *self, PyObject *args)
 {
     Run *r = &self->run;
-    Event *e;
-    int mode, event, v[8];
-    if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7]) || !run_is_idle(self))
+    Rule rule;
+    int mode, event;
+    if (!PyArg_ParseTuple(args, "ii(iiiiiiii)", &mode, &event, &rule.kind, &rule.target, &rule.other, &rule.hold, &rule.event, &rule.part,
+                          &rule.key, &rule.order) ||
+        !run_is_idle(self))
         return NULL;
-    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || v[0] < DECIDE_IN_PYTHON ||
-        v[0] > CROSS_IF_TIES_HOLD || v[1] < 0 || v[1] >= r->mode_count || v[2] < 0 || v[2] >= r->mode_count || v[4] < NOTHING || v[4] >= KINDS || v[6] < 0 ||
-        v[6] >= r->key_count || v[7] < 0 || v[7] > MAX_ORDER) {
+    if (mode < 0 || mode >= r->mode_count || event < 0 || event >= r->modes[mode]->event_count || rule.kind < DECIDE_IN_PYTHON ||
+        rule.kind > CROSS_IF_TIES_HOLD || rule.target < 0 || rule.target >= r->mode_count || rule.other < 0 || rule.other >= r->mode_count ||
+        rule.event < NOTHING || rule.event >= KINDS || rule.key < 0 || rule.key >= r->key_count || rule.order < 0 || rule.order > MAX_ORDER) {
         PyErr_SetString(PyExc_ValueError, "no such rule");
         return NULL;
     }
-    e = &r->modes[mode]->events[event];
-    e->rule = v[0];
-    e->target = v[1];
-    e->other = v[2];
-    e->hold = v[3];
-    e->event = v[4];
-    e->event_part = v[5];
-    e->event_key = v[6];
-    e->order = v[7];
+    r->modes[mode]->events[event].rule = rule;
     Py_RETURN_NONE;
 }
 
 /* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
-PyObject *run_hand_jump(RunObject *self, PyObject *args)
+PyObject *Run_hand_jump(RunObject *self, PyObject *args)
 {
     Tangent *b = self->run.tangent;
     Py_buffer v;

@@ -6,12 +6,14 @@
 
 #include "engine.h"
 
-/* event_functions.c; of `count` terms from number `first`: the n-th derivative of their sum, a bound of it up to `reach` ahead, and
- * what the rounding of the sum is proportional to, by a measure of that of coordinates (see rounding.c).
+/* Sizes: WITHIN_REACH, a bound up to `reach` from here; else what rounding is proportional to, by a measure of that of coordinates, see
+ * rounding.c.
  */
+enum { WITHIN_REACH = MEASURES };
+
+/* event_functions.c; of `count` terms from number `first`: the n-th derivative of their sum, and its size. */
 Real sum_of_terms(const Run *r, int first, int count, int n);
-Real bound_of_sum(const Run *r, int first, int count, int n, Real reach);
-Real scale_of_sum(const Run *r, int first, int count, int measure);
+Real size_of_sum(const Run *r, int first, int count, int n, int measure, Real reach);
 
 /* n-th derivative of the coordinate, or the two, that a sum of one term reads. */
 static inline Real single_difference(const Run *r, const Single *s, int n)
@@ -73,22 +75,34 @@ static inline Real coordinate_bound(const Run *r, int m, int n, Real reach)
     return size + c->forced[n] * (reach * reach);
 }
 
-/* Bound of the n-th derivative of `single_difference` up to `reach` ahead. */
-static inline Real single_difference_bound(const Run *r, const Single *s, int n, Real reach)
+/* Size of the n-th derivative of a coordinate; of its rounding n < 3. */
+static inline Real coordinate_size(const Run *r, int m, int n, int measure, Real reach)
 {
-    Real y = fabs(s->share) * coordinate_bound(r, s->m, n, reach);
-    return s->other < 0 ? y : y + fabs(s->other_share) * coordinate_bound(r, s->other, n, reach);
+    const Scale *y;
+    if (measure == WITHIN_REACH)
+        return coordinate_bound(r, m, n, reach);
+    y = &r->closed_form.scales[measure][m];
+    return n == 0 ? y->q : n == 1 ? y->u : y->a;
 }
 
-/* Bound of the n-th derivative of a sum of terms up to `reach` ahead, its constant left out. */
-static inline Real sum_bound(const Run *r, const Single *s, int first, int count, int n, Real reach)
+/* Size of the n-th derivative of `single_difference`. */
+static inline Real single_size(const Run *r, const Single *s, int n, int measure, Real reach)
+{
+    Real y = fabs(s->share) * coordinate_size(r, s->m, n, measure, reach);
+    return s->other < 0 ? y : y + fabs(s->other_share) * coordinate_size(r, s->other, n, measure, reach);
+}
+
+/* Size of the n-th derivative of a sum of terms. */
+static inline Real sum_size(const Run *r, const Single *s, int first, int count, int n, int measure, Real reach)
 {
     Real size;
     if (s->kind == NOTHING)
-        return bound_of_sum(r, first, count, n, reach);
-    size = single_difference_bound(r, s, n + (s->kind == RATE), reach);
-    if (s->kind == COUPLING)
-        size = s->k * size + s->c * single_difference_bound(r, s, n + 1, reach);
+        return size_of_sum(r, first, count, n, measure, reach);
+    size = single_size(r, s, n + (s->kind == RATE), measure, reach);
+    if (s->kind == COUPLING) {
+        size = s->k * size + s->c * single_size(r, s, n + 1, measure, reach);
+        size = n == 0 ? size + fabs(s->offset) : size;
+    }
     return fabs(s->coefficient) * size;
 }
 
@@ -98,22 +112,13 @@ static inline Real event_bound(const Run *r, const Event *e, int n, Real reach)
     Real total = 0.0;
     int i;
     if (e->slopes == 0)
-        return sum_bound(r, &e->single, e->first, e->terms, n, reach);
+        return sum_size(r, &e->single, e->first, e->terms, n, WITHIN_REACH, reach);
     for (i = 0; i < e->slopes; i++) {
         const Slope *s = &r->mode->slopes[e->first_slope + i];
-        Real part = fabs(s->factor) * sum_bound(r, &s->single, s->first, s->terms, n - 1, reach) / s->mass;
+        Real part = fabs(s->factor) * sum_size(r, &s->single, s->first, s->terms, n - 1, WITHIN_REACH, reach) / s->mass;
         total = i == 0 ? part : total + part;
     }
     return total;
-}
-
-/* What the rounding of `single_difference` is proportional to; order 1: of its rate. */
-static inline Real single_scale(const Run *r, const Single *s, int order, int measure)
-{
-    const Scale *y = &r->closed_form.scales[measure][s->m];
-    const Scale *other = s->other < 0 ? y : &r->closed_form.scales[measure][s->other];
-    Real size = fabs(s->share) * (order ? y->u : y->q);
-    return s->other < 0 ? size : size + fabs(s->other_share) * (order ? other->u : other->q);
 }
 
 /* Rounding of an event function in units of its scale: that of some operations, and of phases, eps times the angle since the
@@ -127,16 +132,7 @@ static inline Real rounding_unit(const Run *r)
 /* What the rounding of an event function is proportional to, by a measure of that of coordinates. */
 static inline Real event_scale(const Run *r, const Event *e, int measure)
 {
-    const Single *s = &e->single;
-    Real size;
-    if (e->terms == 0)
-        return e->size;
-    if (s->kind == NOTHING)
-        return scale_of_sum(r, e->first, e->terms, measure) + e->size;
-    size = single_scale(r, s, s->kind == RATE, measure);
-    if (s->kind == COUPLING)
-        size = s->k * size + s->c * single_scale(r, s, 1, measure) + fabs(s->offset);
-    return fabs(s->coefficient) * size + e->size;
+    return sum_size(r, &e->single, e->first, e->terms, 0, measure, 0) + e->size;
 }
 
 #endif

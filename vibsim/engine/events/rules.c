@@ -411,19 +411,19 @@ static int touches(const Run *r)
  */
 static int stick(Run *r, Buffers *b, const Event *e, int target, const Event *released)
 {
-    int kinds[2] = {STICK_BEGIN, NOTHING}, parts[2] = {e->event_part, NOTHING}, count = 1;
+    int kinds[2] = {STICK_BEGIN, NOTHING}, parts[2] = {e->rule.part, NOTHING}, count = 1;
     join(r, r->modes[target], r->mode->terms[e->first].P);
     if (!sides_last(r, r->modes[target], NOTHING)) {
         memcpy(r->next.v, r->before_v, sizeof(Real) * (size_t)r->bodies);
         return 0;
     }
     if (released != NULL) { /* events of frictions are recorded first, by their numbers */
-        const int before = released->event == STICK_END && released->event_part < e->event_part;
+        const int before = released->rule.event == STICK_END && released->rule.part < e->rule.part;
         kinds[before] = STICK_BEGIN;
-        parts[before] = e->event_part;
-        kinds[!before] = released->event;
-        parts[!before] = released->event_part;
-        r->behind[released->event_key] = released->event == REST_END ? 2 : 1;
+        parts[before] = e->rule.part;
+        kinds[!before] = released->rule.event;
+        parts[!before] = released->rule.part;
+        r->behind[released->rule.key] = released->rule.event == REST_END ? 2 : 1;
         count = 2;
     }
     run_take(r, b, target, count, kinds, parts);
@@ -434,10 +434,11 @@ static int stick(Run *r, Buffers *b, const Event *e, int target, const Event *re
 int rule_take(Run *r, Buffers *b)
 {
     const Event *e = &r->mode->events[r->pending_event];
-    int kind = e->event, part = e->event_part, k;
+    const Rule *rule = &e->rule;
+    int kind = rule->event, part = rule->part, k;
     for (k = 0; k < r->key_count; k++)
         r->behind[k] = -1;
-    if (e->rule == CROSS || e->rule == CROSS_IF_TIES_HOLD) {
+    if (rule->kind == CROSS || rule->kind == CROSS_IF_TIES_HOLD) {
         const int of_places = e->kind != HOLD && e->kind != PUSH && e->kind != SWITCH;
         const int own = e->kind == SWITCH ? e->key : NOTHING;
         Real rate = of_places ? direct_rate(r, e) : clear_derivative(r, e, 1);
@@ -450,21 +451,21 @@ int rule_take(Run *r, Buffers *b)
         }
         if (rate == 0 || rate != rate || (e->kind == HOLD && touches(r)))
             return 0;
-        if (!sides_last(r, rate > 0 ? r->mode : r->modes[e->target], own))
+        if (!sides_last(r, rate > 0 ? r->mode : r->modes[rule->target], own))
             return 0;
         if (rate > 0) {
             r->behind[e->key] = order;
             run_take(r, b, r->mode_number, 0, NULL, NULL);
             return 1;
         }
-        if (e->rule == CROSS_IF_TIES_HOLD &&
-            (e->kind == HOLD ? !slips(r, r->modes[e->target], e->event_key) : !holds(r, r->modes[e->target])))
+        if (rule->kind == CROSS_IF_TIES_HOLD &&
+            (e->kind == HOLD ? !slips(r, r->modes[rule->target], rule->key) : !holds(r, r->modes[rule->target])))
             return 0;
-        r->behind[e->event_key] = order == 1 ? e->order : order;
-        run_take(r, b, e->target, kind == NOTHING ? 0 : 1, &kind, &part);
+        r->behind[rule->key] = order == 1 ? rule->order : order;
+        run_take(r, b, rule->target, kind == NOTHING ? 0 : 1, &kind, &part);
         return 1;
     }
-    if (e->rule == RIGID_IMPACT) {
+    if (rule->kind == RIGID_IMPACT) {
         Impact done;
         if (!impact_take(r, e, &done))
             return 0;
@@ -474,22 +475,22 @@ int rule_take(Run *r, Buffers *b)
             impact_count(r, &done);
         return 1;
     }
-    if (e->rule == STICK_OR_REVERSE) {
-        const Mode *stuck = r->modes[e->target];
-        int other, answer = stands(r, stuck, e->hold, &other);
+    if (rule->kind == STICK_OR_REVERSE) {
+        const Mode *stuck = r->modes[rule->target];
+        int other, answer = stands(r, stuck, rule->hold, &other);
         const Event *released = other == NOTHING ? NULL : &stuck->events[other];
         if (answer > 0)
-            return stick(r, b, e, e->target, NULL);
-        if (released != NULL && released->rule != DECIDE_IN_PYTHON && r->tangent == NULL &&
-            !(released->event == STICK_END && released->event_part == e->event_part)) /* which would slide on */
-            return departs(r, r->modes[released->target], released->event_key) && stick(r, b, e, released->target, released);
+            return stick(r, b, e, rule->target, NULL);
+        if (released != NULL && released->rule.kind != DECIDE_IN_PYTHON && r->tangent == NULL &&
+            !(released->rule.event == STICK_END && released->rule.part == rule->part)) /* which would slide on */
+            return departs(r, r->modes[released->rule.target], released->rule.key) && stick(r, b, e, released->rule.target, released);
         if (answer == 0)
             return 0;
-        if (!slips(r, r->modes[e->other], e->event_key) || !sides_last(r, r->modes[e->other], NOTHING))
+        if (!slips(r, r->modes[rule->other], rule->key) || !sides_last(r, r->modes[rule->other], NOTHING))
             return 0;
         kind = REVERSAL;
-        r->behind[e->event_key] = 1;
-        run_take(r, b, e->other, 1, &kind, &part);
+        r->behind[rule->key] = 1;
+        run_take(r, b, rule->other, 1, &kind, &part);
         return 1;
     }
     return 0;

@@ -52,7 +52,7 @@ int modes_forget(Run *r)
         if (i != number)
             mode_free(r->modes[i]);
     for (i = 0; i < now->event_count; i++)
-        now->events[i].rule = DECIDE_IN_PYTHON;
+        now->events[i].rule.kind = DECIDE_IN_PYTHON;
     r->modes[0] = now;
     r->mode_count = 1;
     r->mode_number = r->certificate.mode = 0;
@@ -73,13 +73,6 @@ int mode_renew(Run *r, int number, Mode *m)
         if (!same)
             return 0;
         e->rule = one->rule;
-        e->target = one->target;
-        e->other = one->other;
-        e->hold = one->hold;
-        e->event = one->event;
-        e->event_part = one->event_part;
-        e->event_key = one->event_key;
-        e->order = one->order;
     }
     mode_free(before);
     r->modes[number] = m;

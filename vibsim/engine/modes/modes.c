@@ -162,7 +162,7 @@ Mode *mode_read(Run *r, Reader *in)
         e->slopes = read_index(in, 0, slopes - e->first_slope);
         e->constant = read_double(in);
         e->size = read_double(in);
-        e->rule = DECIDE_IN_PYTHON;
+        e->rule.kind = DECIDE_IN_PYTHON;
     }
     if (!in->short_of && read_index(in, 0, 1)) {
         m->modal = modal_read(r, in, pairs, m->event_count);
