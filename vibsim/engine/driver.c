@@ -18,15 +18,6 @@
 #define AS_SOON 8
 #define KICK 0x1p-49 /* 16 unit round-offs of doubles: so far off a computed state may be (tests/flows/test_responses.py) */
 
-/* Enter the mode of now by the flow that suits it: the closed form where the mode has one, else Taylor series. */
-static void flow_enter(Run *r, const State *state)
-{
-    if (r->mode->modal != NULL)
-        closed_form_enter(r, state);
-    else
-        taylor_enter(r, state);
-}
-
 /* Whether a rigid stop that was struck here will be again within the window of the closed form, just entered. */
 static int hops(Run *r)
 {
@@ -81,7 +72,8 @@ static void kick(Run *r)
     s->w = kicked(r, s->w, fabs(s->w));
 }
 
-/* Go on from r->state in the mode of now, with the zeros in r->known. A run that shares lanes waits there for its step.
+/* Go on from r->state in the mode of now, with the zeros in r->known: by the closed form where the mode has one, else by Taylor series. A
+ * run that shares lanes waits there for its step.
  *
  * Short hops on a rigid stop are taken by Taylor series, which count depths from where the hop begins: the last ones of an
  * infinite sequence of impacts are lower than the rounding of displacements, in which the closed form looks for the next impact.
@@ -95,12 +87,12 @@ static void enter(Run *r)
     r->waits = r->abreast && suits_lanes(r);
     if (r->waits)
         return;
-    if (leaves_flat(r, state)) {
+    if (r->mode->modal == NULL || leaves_flat(r, state)) {
         taylor_enter(r, state);
         return;
     }
-    flow_enter(r, state);
-    if (r->closed && hops(r))
+    closed_form_enter(r, state);
+    if (hops(r))
         taylor_enter(r, state);
 }
 
@@ -110,13 +102,19 @@ static Real flow_advance(Run *r, Real limit, int *event)
     return r->closed ? closed_form_advance(r, limit, event) : taylor_advance(r, limit, event);
 }
 
-void flow_state(Run *r, Real t, State *out)
+/* State at t, a time tau after the start of the flow, which may be beside the grid of time. */
+static void state_after(Run *r, Real t, Real tau, State *out)
 {
     if (r->closed)
-        closed_form_state_after(r, t - r->t0, out);
+        closed_form_state_after(r, tau, out);
     else
-        taylor_state_after(r, t - r->t0, out);
+        taylor_state_after(r, tau, out);
     out->t = t;
+}
+
+void flow_state(Run *r, Real t, State *out)
+{
+    state_after(r, t, t - r->t0, out);
 }
 
 static void copy_state(const Run *r, const State *from, State *to)
@@ -264,14 +262,14 @@ static int is_finite(const Run *r, const State *s)
  */
 static Real meeting(Run *r, const Event *e)
 {
-    Real tau = r->pending_end - r->t0, value, slope, step;
+    Real tau = r->pending_end - r->t0, value, slope, noise, step;
     if (r->closed) {
         closed_form_evaluate(r, tau);
         closed_form_jets(r, 2);
         value = event_derivative(r, e, 0);
         slope = event_derivative(r, e, 1);
-    } else {
-        taylor_value_and_slope(r, e, tau, &value, &slope);
+    } else if (!taylor_near_zero(r, e, tau, &value, &slope, &noise)) {
+        return tau;
     }
     if (!(slope < 0))
         return tau;
@@ -309,18 +307,12 @@ void run_arrive(Run *r)
         return;
     r->arrived = 1;
     at = e == NULL ? r->pending_end : dithered(r);
-    r->pending_tau = at - r->t0;
-    if (e == NULL || e->kind != STRIKE) {
-        flow_state(r, at, &r->next);
-    } else {
-        r->pending_tau = meeting(r, e);
-        if (r->pending_tau == 0)
-            copy_state(r, &r->state, &r->next);
-        else if (r->closed)
-            closed_form_state_after(r, r->pending_tau, &r->next);
-        else
-            taylor_state_after(r, r->pending_tau, &r->next);
+    r->pending_tau = e != NULL && e->kind == STRIKE ? meeting(r, e) : at - r->t0;
+    if (e != NULL && e->kind == STRIKE && r->pending_tau == 0) {
+        copy_state(r, &r->state, &r->next);
         r->next.t = at;
+    } else {
+        state_after(r, at, r->pending_tau, &r->next);
     }
     memcpy(r->before_v, r->next.v, sizeof(Real) * (size_t)r->bodies);
     r->before_w = r->next.w;

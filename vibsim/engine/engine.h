@@ -462,8 +462,6 @@ Real polynomial_nearer(const Real *coefficients, int count, Real t0, Real h, Rea
 int polynomial_near_zero(const Real *coefficients, int count, int known, Real tau, Real size, Real *value,
                          Real *slope, Real *noise); /* returns 0 where it rests at zero */
 
-void polynomial_value_and_slope(const Real *coefficients, int count, int known, Real tau, Real *value, Real *slope);
-
 /* step_length.c */
 Real step_length(const Run *r);
 void tune_order(Run *r); /* take the order of the next step of the stretch, in modes with formulas */
@@ -482,7 +480,7 @@ const Real *taylor_columns_at_start(Run *r); /* for who reads a motion there; no
 void taylor_state_after(Run *r, Real tau, State *out);
 void taylor_samples(Run *r, const Real *tau, int count, Real *row, long room);
 Real taylor_spin_rate(const Run *r, Real tau);
-void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value, Real *slope); /* but for known zeros */
+int taylor_near_zero(const Run *r, const Event *e, Real tau, Real *value, Real *slope, Real *noise);
 
 /* taylor_loads.c, taylor_expansion.c, taylor_polynomial.c; those of terms and event functions return how many coefficients there are */
 void taylor_expand_base(Run *r, Real t);
@@ -596,8 +594,6 @@ Real base_acceleration_at(const Run *r, const Mode *m, Real t);
 int impact_take(Run *r, const Event *event, Impact *done);
 void impact_count(Run *r, const Impact *done);
 
-void impacts_free(Impacts *b); /* reading_impacts.c */
-
 /* order_of_events.c: whether it matters which of two events at one instant comes first, whose functions have one value and one slope */
 int order_is_open(const Run *r, const Event *one, const Event *other);
 
@@ -626,7 +622,6 @@ void extremes_reset(Extremes *e);
 void extremes_open(Run *r);
 int extremes_until(Run *r, Real end, int bounded);
 void extremes_close(Run *r, Real *row, long room);
-void extremes_free(Extremes *e);
 
 /* section.c; gather returns 0 when the buffer is full before the stretch is done */
 void section_start(Run *r);

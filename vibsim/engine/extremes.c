@@ -7,13 +7,9 @@
  *
  * Reading them changes no trajectory.
  */
-#include <stdlib.h>
-#include <string.h>
-
 #include "columns.h"
 #include "modes.h"
 #include "numbers.h"
-#include "zalloc.h"
 
 #define NODES_OF_CLOSED_FORM 4 /* in a piece of 2.25 rad of the fastest rate */
 #define ORDERS_TO_A_NODE 10 /* of a Taylor step, which spans 1.3 rad with order 20 */
@@ -267,12 +263,11 @@ int extremes_read(Run *r, Reader *in)
 {
     Extremes *e = &r->extremes;
     int pairs = read_index(in, 0, 1 << 16), gaps = read_index(in, 0, 1 << 16), count = pairs + (r->has_motor ? 1 : 0), i;
+    in->owner = r->masses;
+    e->P = room(in, 2 * (size_t)pairs, sizeof(int));
+    e->gaps = room(in, (size_t)gaps, sizeof(Gap));
+    e->numbers = room(in, (size_t)(10 * count + gaps), sizeof(Real));
     if (in->short_of)
-        return 0;
-    e->P = zalloc((size_t)(2 * pairs + 1), sizeof(int));
-    e->gaps = zalloc((size_t)gaps + 1, sizeof(Gap));
-    e->numbers = zalloc((size_t)(10 * count + gaps + 1), sizeof(Real));
-    if (!e->P || !e->gaps || !e->numbers)
         return 0;
     e->Q = e->P + pairs;
     for (i = 0; i < pairs; i++) {
@@ -300,11 +295,4 @@ int extremes_read(Run *r, Reader *in)
     e->count = count;
     extremes_reset(e);
     return read_through(in);
-}
-
-void extremes_free(Extremes *e)
-{
-    free(e->P);
-    free(e->gaps);
-    free(e->numbers);
 }

@@ -149,7 +149,7 @@ PyObject *Run_outcome(RunObject *self, PyObject *args)
     const State *s = &r->state;
     Py_buffer view;
     Real *at;
-    int n = r->bodies, i, k;
+    int n = r->bodies, i;
     Py_ssize_t count = 5 + 4 + 2 * n + (b ? (1 + b->possible) * b->size : 0);
     if (!run_is_ready(self) || !PyArg_ParseTuple(args, "w*", &view))
         return NULL;
@@ -180,9 +180,8 @@ PyObject *Run_outcome(RunObject *self, PyObject *args)
             *at++ = s->w;
             *at++ = rotor;
         }
-        for (i = 0; i < b->possible; i++)
-            for (k = 0; k < b->size; k++)
-                *at++ = b->vectors[k * b->stride + i];
+        for (i = 0; i < b->possible; i++, at += b->size)
+            take_vector(b, i, at);
     }
     PyBuffer_Release(&view);
     return PyLong_FromSsize_t(count);

@@ -260,13 +260,12 @@ PyObject *Run_hand_jump(RunObject *self, PyObject *args)
     Tangent *b = self->run.tangent;
     Py_buffer v;
     Handed h = {1, 0, 0, 0, 1.0, 1.0};
-    int i, k, fits;
+    int i, fits;
     if (!PyArg_ParseTuple(args, "pO&iO&py*", &h.jumps, number_from, &h.determinant, &h.tangencies, number_from, &h.closest, &h.undefined, &v))
         return NULL;
     fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(Real) * b->possible * b->size;
     for (i = 0; fits && i < b->possible; i++)
-        for (k = 0; k < b->size; k++)
-            b->vectors[k * b->stride + i] = ((const Real *)v.buf)[i * b->size + k];
+        put_vector(b, i, (const Real *)v.buf + i * b->size);
     PyBuffer_Release(&v);
     if (!fits) {
         if (!PyErr_Occurred())

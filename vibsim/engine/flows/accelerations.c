@@ -265,14 +265,12 @@ static void seat_disturbance(const Run *r, Real *vector)
 void seat_disturbances(const Run *r, const Mode *m)
 {
     Tangent *b = r->tangent;
-    int i, k;
+    int i;
     seats_of(r, m);
     for (i = 0; i < b->possible; i++) {
-        for (k = 0; k < r->bodies; k++)
-            b->vector[k] = b->vectors[k * b->stride + i];
+        take_vector(b, i, b->vector);
         seat_disturbance(r, b->vector);
-        for (k = 0; k < r->bodies; k++)
-            b->vectors[k * b->stride + i] = b->vector[k];
+        put_vector(b, i, b->vector);
     }
 }
 
@@ -280,12 +278,10 @@ void seat_disturbances(const Run *r, const Mode *m)
 void join_disturbances(const Run *r, const Mode *m, const State *state)
 {
     Tangent *b = r->tangent;
-    int i, k;
+    int i;
     for (i = 0; i < b->possible; i++) {
-        for (k = 0; k < b->size; k++)
-            b->vector[k] = b->vectors[k * b->stride + i];
+        take_vector(b, i, b->vector);
         join_disturbance(r, m, state, b->vector);
-        for (k = 0; k < b->size; k++)
-            b->vectors[k * b->stride + i] = b->vector[k];
+        put_vector(b, i, b->vector);
     }
 }

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "modes.h"
-#include "zalloc.h"
 
 /* Memory for the entries and what is read at the nodes; 0 without memory or where the numbers are no ledger. */
 int ledger_read(Run *r, Reader *in)
@@ -37,17 +36,11 @@ int ledger_read(Run *r, Reader *in)
 /* Room for the series and values of so many functions; 0 without memory. */
 static int alloc_functions(Nodes *at, int count)
 {
-    Real *series, (*function)[NODE_COUNT];
-    int *lengths;
+    const size_t before = (size_t)at->function_room, after = (size_t)count;
     if (count <= at->function_room)
         return 1;
-    series = regrown(at->series, sizeof *series * SERIES * (size_t)count);
-    at->series = series ? series : at->series;
-    function = regrown(at->function, sizeof *function * (size_t)count);
-    at->function = function ? function : at->function;
-    lengths = regrown(at->lengths, sizeof *lengths * (size_t)count);
-    at->lengths = lengths ? lengths : at->lengths;
-    if (!series || !function || !lengths)
+    if (!grow((void **)&at->series, before, after, SERIES * sizeof(Real)) || !grow((void **)&at->function, before, after, sizeof *at->function) ||
+        !grow((void **)&at->lengths, before, after, sizeof(int)))
         return 0;
     at->function_room = count;
     return 1;
@@ -81,7 +74,6 @@ int integrals_read(Run *r, Mode *m, Reader *in)
 {
     LedgerIntegrals *to = &m->integrals;
     int terms, more, i;
-    Term *grown;
     in->owner = m;
     to->count = read_index(in, 0, MOST);
     to->function_count = read_index(in, 0, MOST);
@@ -93,9 +85,7 @@ int integrals_read(Run *r, Mode *m, Reader *in)
     to->integrals = room(in, to->count, sizeof(LedgerIntegral));
     to->functions = room(in, to->function_count, sizeof(Event));
     to->columns = room(in, to->column_count, sizeof(int));
-    grown = regrown(m->terms, sizeof(Term) * (size_t)(terms + more + 1));
-    m->terms = grown ? grown : m->terms;
-    if (in->short_of || !grown || !alloc_functions(&r->ledger.nodes, to->function_count))
+    if (in->short_of || !grow((void **)&m->terms, (size_t)terms, (size_t)(terms + more + 1), sizeof(Term)) || !alloc_functions(&r->ledger.nodes, to->function_count))
         return 0;
     for (i = 0; i < to->column_count; i++)
         to->columns[i] = read_index(in, 0, r->columns - 1);

@@ -218,18 +218,14 @@ static void read_force(const Run *r, Reader *in, const Mode *m, FormulaForce *on
 /* Memory for the series and values along tapes of so many operations. */
 int alloc_tapes(TapeRoom *tapes, int ops)
 {
-    Real *series, *values;
+    const size_t before = (size_t)tapes->ops, after = (size_t)ops;
     if (ops <= tapes->ops)
         return 1;
-    series = regrown(tapes->series, sizeof *series * TAPE_WIDTH * (size_t)ops);
-    tapes->series = series ? series : tapes->series;
-    values = regrown(tapes->values, 6 * sizeof *values * (size_t)ops);
-    tapes->values = values ? values : tapes->values;
-    if (!series || !values)
+    if (!grow((void **)&tapes->series, before, after, TAPE_WIDTH * sizeof(Real)) || !grow((void **)&tapes->values, before, after, 6 * sizeof(Real)))
         return 0;
-    tapes->bounds = values + ops;
-    tapes->checked = values + 2 * ops;
-    tapes->base = values + 4 * ops;
+    tapes->bounds = tapes->values + ops;
+    tapes->checked = tapes->values + 2 * ops;
+    tapes->base = tapes->values + 4 * ops;
     tapes->ops = ops;
     tapes->tape = tapes->latest = 0;
     return 1;

@@ -4,16 +4,6 @@
 
 #include "modes.h"
 
-static int grown(void **array, size_t before, size_t after, size_t size)
-{
-    char *more = (char *)realloc(*array, after * size);
-    if (!more)
-        return 0;
-    memset(more + before * size, 0, (after - before) * size);
-    *array = more;
-    return 1;
-}
-
 void mode_free(Mode *m)
 {
     if (m)
@@ -28,15 +18,15 @@ int mode_add(Run *r, Mode *m)
     int keys = r->key_count, events = r->event_room, i;
     for (i = 0; i < m->event_count; i++)
         keys = m->events[i].key >= keys ? m->events[i].key + 1 : keys;
-    if (!grown((void **)&r->modes, (size_t)r->mode_count, (size_t)r->mode_count + 1, sizeof(Mode *)) ||
-        !grown((void **)&r->known, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)) ||
-        !grown((void **)&r->behind, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)))
+    if (!grow((void **)&r->modes, (size_t)r->mode_count, (size_t)r->mode_count + 1, sizeof(Mode *)) ||
+        !grow((void **)&r->known, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)) ||
+        !grow((void **)&r->behind, (size_t)r->key_count, (size_t)keys + 1, sizeof(int)))
         return -1;
     r->key_count = keys;
     if (m->event_count > events) {
-        if (!grown((void **)&s->watched, (size_t)events, (size_t)m->event_count, sizeof *s->watched) ||
-            !grown((void **)&s->rounding_bounds, (size_t)events, (size_t)m->event_count, sizeof(RoundingBound)) ||
-            !grown((void **)&s->events, (size_t)events, (size_t)m->event_count, sizeof(int)))
+        if (!grow((void **)&s->watched, (size_t)events, (size_t)m->event_count, sizeof *s->watched) ||
+            !grow((void **)&s->rounding_bounds, (size_t)events, (size_t)m->event_count, sizeof(RoundingBound)) ||
+            !grow((void **)&s->events, (size_t)events, (size_t)m->event_count, sizeof(int)))
             return -1;
         r->event_room = m->event_count;
     }
@@ -87,8 +77,6 @@ void run_free(Run *r)
         mode_free(r->modes[i]);
     ledger_free(&r->ledger);
     tangent_free(r->tangent);
-    extremes_free(&r->extremes);
-    impacts_free(&r->impacts);
     free(r->modes);
     free(r->known);
     free(r->behind);

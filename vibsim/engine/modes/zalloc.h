@@ -4,6 +4,7 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST = 100000 }; /* of anything in a scene or a mode */
 
@@ -56,10 +57,15 @@ static inline void free_owner(void *owner)
     }
 }
 
-/* `old`, grown to so many bytes, or NULL. */
-static inline Memory regrown(void *old, size_t size)
+/* Make room for `after` things of some size where there was room for `before`, zeros behind these; 0 without memory. */
+static inline int grow(void **array, size_t before, size_t after, size_t size)
 {
-    return MEMORY(realloc(old, size));
+    char *more = (char *)realloc(*array, after * size);
+    if (!more)
+        return 0;
+    memset(more + before * size, 0, (after - before) * size);
+    *array = more;
+    return 1;
 }
 
 #endif

@@ -156,10 +156,8 @@ int tangent_alloc_formulas(const Run *r, Tangent *b)
 {
     TaylorTangent *of = &b->taylor;
     if (r->slope_entries > of->entry_room) {
-        Real *more = regrown(of->entries, sizeof(Real) * (size_t)r->slope_entries);
-        if (!more)
+        if (!grow((void **)&of->entries, (size_t)of->entry_room, (size_t)r->slope_entries, sizeof(Real)))
             return 0;
-        of->entries = more;
         of->entry_room = r->slope_entries;
     }
     return alloc_tapes(&of->spare.tapes, r->taylor.tapes.ops) && alloc_tapes(&of->spare.base_tapes, r->taylor.base_tapes.ops) &&

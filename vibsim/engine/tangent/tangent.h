@@ -127,6 +127,21 @@ typedef struct Tangent {
     Handed handed;
 } Tangent;
 
+/* Disturbance number i, entry after entry, and back. */
+static inline void take_vector(const Tangent *b, int i, Real *vector)
+{
+    int k;
+    for (k = 0; k < b->size; k++)
+        vector[k] = b->vectors[k * b->stride + i];
+}
+
+static inline void put_vector(Tangent *b, int i, const Real *vector)
+{
+    int k;
+    for (k = 0; k < b->size; k++)
+        b->vectors[k * b->stride + i] = vector[k];
+}
+
 /* accelerations.c; out: by column; each returns the acceleration of the rotor */
 Real accelerations(const Run *r, const Mode *m, const State *state, Real *out);
 Real response(const Run *r, const Mode *m, const State *state, const Real *F, Real torque, Real base, Real *out);

@@ -250,24 +250,22 @@ static int may_turn(const Real *series, int count, int order, Real total, Real h
     return count > 1 && 2 * fabs(series[1]) * h <= swing;
 }
 
-/* Value and slope at tau of the polynomial without its known zeros: divided by that power of tau. */
-void polynomial_value_and_slope(const Real *coefficients, int count, int known, Real tau, Real *value, Real *slope)
-{
-    int order = known < count - 1 ? known : count - 1;
-    while (order < count - 1 && coefficients[order] == 0)
-        order++;
-    value_and_slope(coefficients + order, count - order, tau, value, slope);
-}
-
-/* Value, slope and rounding bound at tau of the polynomial without its known zeros; 0 where it rests at zero. size: sum of the
- * magnitudes that coefficient 0 is made of, where that is not known to be zero.
- */
-int polynomial_near_zero(const Real *coefficients, int count, int known, Real tau, Real size, Real *value,
-                         Real *slope, Real *noise)
+/* Order of the zero at the start: `known`, or beyond it as long as coefficients are exactly zero; `count` where all are. */
+static int order_of_zero(const Real *coefficients, int count, int known)
 {
     int order = known < count ? known : count;
     while (order < count && coefficients[order] == 0)
         order++;
+    return order;
+}
+
+/* Value, slope and rounding bound at tau of the polynomial without its known zeros, divided by that power of tau; 0 where it rests at
+ * zero. size: sum of the magnitudes that coefficient 0 is made of, where that is not known to be zero.
+ */
+int polynomial_near_zero(const Real *coefficients, int count, int known, Real tau, Real size, Real *value,
+                         Real *slope, Real *noise)
+{
+    const int order = order_of_zero(coefficients, count, known);
     if (order == count)
         return 0;
     value_and_slope(coefficients + order, count - order, tau, value, slope);
@@ -306,9 +304,7 @@ int polynomial_first_root(Certificate *c, const Real *coefficients, int count, i
     Magnitude total, fall, term = 0.0, before = 0.0;
     Power power = step;
     Real error;
-    int order = known < count ? known : count, n, outcome = POSITIVE;
-    while (order < count && coefficients[order] == 0)
-        order++;
+    int order = order_of_zero(coefficients, count, known), n, outcome = POSITIVE;
     if (order == count)
         return POSITIVE;
     series = coefficients + order;

@@ -77,12 +77,12 @@ static int rests_at_zero(const Run *r, const Event *e, const State *s)
     return e->terms > 0 && total + e->constant == 0;
 }
 
-/* Whether an event function may leave zero with more zero derivatives than the closed form takes. */
+/* Whether an event function of a mode with a closed form may leave zero with more zero derivatives than that takes. */
 int leaves_flat(const Run *r, const State *state)
 {
     const Mode *m = r->mode;
     int i;
-    for (i = 0; m->modal != NULL && closed_form_dimension(r) > FLAT_ORDER && i < m->event_count; i++)
+    for (i = 0; closed_form_dimension(r) > FLAT_ORDER && i < m->event_count; i++)
         if (r->known[m->events[i].key] >= FLAT_ORDER || rests_at_zero(r, &m->events[i], state))
             return 1;
     return 0;

@@ -165,18 +165,11 @@ void taylor_continue(Run *r, const State *state)
 }
 
 /* Value, slope and rounding bound of an event function at tau, but for its known zeros; 0 where it rests at zero. */
-static int near_zero(const Run *r, const Event *e, Real tau, Real *value, Real *slope, Real *noise)
+int taylor_near_zero(const Run *r, const Event *e, Real tau, Real *value, Real *slope, Real *noise)
 {
     Series coefficients;
     int count = taylor_polynomial(r, e, coefficients);
     return polynomial_near_zero(coefficients, count, r->known[e->key], tau, taylor_magnitude(r, e), value, slope, noise);
-}
-
-void taylor_value_and_slope(const Run *r, const Event *e, Real tau, Real *value, Real *slope)
-{
-    Series coefficients;
-    int count = taylor_polynomial(r, e, coefficients);
-    polynomial_value_and_slope(coefficients, count, r->known[e->key], tau, value, slope);
 }
 
 /* Whether a function falls from where it is: its first coefficient that is not zero is negative. */
@@ -217,14 +210,15 @@ static int certify_order(Run *r, int first, Real end)
     Real tau = end - r->t0, value = 0, slope = 0, noise = 0, other, fall, blur, latest;
     unsigned clear;
     int chosen = first, i;
-    near_zero(r, &m->events[first], tau, &value, &slope, &noise);
+    taylor_near_zero(r, &m->events[first], tau, &value, &slope, &noise);
     if (slope >= 0)
         return first;
     latest = latest_zero(value, slope, noise, end);
     clear = latest <= r->t0 + r->taylor.h ? r->taylor.clear : 0;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        if (i == first || is_clear(clear, i) || !near_zero(r, e, tau, &other, &fall, &blur) || !may_vanish_by(other, fall, blur, latest))
+        if (i == first || is_clear(clear, i) || !taylor_near_zero(r, e, tau, &other, &fall, &blur)
+            || !may_vanish_by(other, fall, blur, latest))
             continue;
         if (!(other == value && fall == slope) || order_is_open(r, &m->events[first], e))
             doubt(&r->certificate, r->t0, end, WHICH_IS_FIRST, first, i);

@@ -166,19 +166,12 @@ static Real renormalise(Tangent *b)
     return volume;
 }
 
-static void put_vector(Tangent *b, int i, const Real *vector)
-{
-    int k;
-    for (k = 0; k < b->size; k++)
-        b->vectors[k * b->stride + i] = vector[k];
-}
-
 /* Add from the candidates, each time that which is least like the `before` vectors there are (the longest remainder as a share of
  * its length), up to `count` of them; returns how many vectors there are.
  */
 static int fill(Tangent *b, int candidates, int before, int count)
 {
-    int i, k;
+    int i;
     for (; before < count; before++) {
         Real *most = b->fitted + before * b->size, longest = 0.0;
         for (i = 0; i < candidates; i++) {
@@ -188,8 +181,7 @@ static int fill(Tangent *b, int candidates, int before, int count)
             share = orthonormalise(b, b->vector, b->fitted, before) / whole;
             if (i == 0 || share > longest) {
                 longest = share;
-                for (k = 0; k < b->size; k++)
-                    most[k] = b->vector[k];
+                memcpy(most, b->vector, sizeof(Real) * (size_t)b->size);
             }
         }
     }
@@ -200,15 +192,14 @@ static int fill(Tangent *b, int candidates, int before, int count)
 static void fit(const Run *r, const Mode *m)
 {
     Tangent *b = r->tangent;
-    int room = b->component_count - b->outside, fitting = 0, over = 0, vectors, i, k;
+    int room = b->component_count - b->outside, fitting = 0, over = 0, vectors, i;
     for (i = b->possible; i < b->count; i++, over++) {
         b->over[over] = b->sums[i];
         b->over_columns[over] = b->columns[i];
     }
     for (i = 0; i < b->possible; i++) {
         Real *vector = b->fitted + fitting * b->size, size;
-        for (k = 0; k < b->size; k++)
-            b->vector[k] = b->vectors[k * b->stride + i];
+        take_vector(b, i, b->vector);
         size = orthonormalise(b, b->vector, b->fitted, fitting);
         if (size > LOST && fitting < room) {
             memcpy(vector, b->vector, sizeof(Real) * (size_t)b->size);
