@@ -168,11 +168,11 @@ typedef struct {
     int kind, entry, P, Q, source;
 } LedgerIntegral;
 
-/* What the ledgers integrate in a mode, and what that reads: columns, forces, the rotor, functions of the rows. */
+/* What the ledgers integrate in a mode, and what that reads: velocities by column, forces, the rotor, functions of the rows. */
 typedef struct {
     LedgerIntegral *integrals;
     Event *functions;
-    int *columns, count, function_count, column_count, forces, spins;
+    int *reads, count, function_count, forces, spins;
 } LedgerIntegrals;
 
 typedef struct {
@@ -182,7 +182,7 @@ typedef struct {
     Slope *slopes;
     Real *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
     int *leader, *constant_columns, *codes, *tied; /* tied: bodies under forces that are tied to another column */
-    int tied_count, coupling_count, event_count, constant_count, untied, shape;
+    int tied_count, coupling_count, event_count, term_count, constant_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     Real small_constants[2]; /* forces of slipping frictions by column */
     LedgerIntegrals integrals;

@@ -20,7 +20,7 @@ from typing import Any, Generic
 from vibsim.engine.modes.packing import Packer
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import COUPLING, FORMULA, HOLD, Event, Joined, ModeRows, Term, Terms
-from vibsim.engine.modes.status import CONTACT, STICK, Kept, Status
+from vibsim.engine.modes.status import CONTACT, STICK, Status
 from vibsim.engine.modes.ties import Edge, Groups, Tie, beyond
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.numbers import Kit, N
@@ -28,7 +28,6 @@ from vibsim.physics.parts import BODY, ROTOR, Friction, Scene
 
 SQUARE, WORK, TORQUE, FUNCTION, IMPULSE, SLIP, RUB = range(7)
 NOTHING = -1
-MOST_INTEGRALS = 1000  # modes whose integrals are kept
 
 Entry = tuple[str, str, str]  # name of an entry: quantity, section of the case, part
 
@@ -48,27 +47,10 @@ class LedgerIntegral(Generic[N]):
 
 @dataclass
 class LedgerIntegrals(Generic[N]):
-    """The integrals of a mode, and what they read at the nodes of the quadrature."""
+    """The integrals of a mode, and the functions of its rows that they read."""
 
     integrals: list[LedgerIntegral[N]] = field(default_factory=list)
     functions: list[Event[N]] = field(default_factory=list)
-
-    @property
-    def columns(self) -> list[int]:
-        """Bodies whose velocities are read, and the base where its velocity is."""
-        read = {m.P for m in self.integrals if m.kind in (SQUARE, WORK, FUNCTION, SLIP, RUB)}
-        read |= {m.Q for m in self.integrals if m.kind in (SQUARE, SLIP, RUB)}
-        return sorted(read - {NOTHING})
-
-    @property
-    def forces(self) -> bool:
-        """Whether forces are read."""
-        return any(m.kind in (WORK, IMPULSE) for m in self.integrals)
-
-    @property
-    def spins(self) -> bool:
-        """Whether the speed of the rotor is read."""
-        return any(m.kind == TORQUE for m in self.integrals)
 
 
 def entries_of(scene: Scene[N], momentum: bool = False) -> list[Entry]:
@@ -103,14 +85,9 @@ class IntegralMaker(Generic[N]):
         self.scene, self.kit, self.maker, self.momentum = scene, kit, maker, momentum
         self.names = entries_of(scene, momentum)
         self.ground, self.base = maker.n, maker.n + 1
-        self.by_status = Kept[Status, LedgerIntegrals[N]](MOST_INTEGRALS)
 
     def integrals(self, rows: ModeRows[N]) -> LedgerIntegrals[N]:
         """The integrals of the mode of `rows`."""
-        integrals = self.by_status.get(rows.status)
-        return self.by_status.keep(rows.status, self._make(rows)) if integrals is None else integrals
-
-    def _make(self, rows: ModeRows[N]) -> LedgerIntegrals[N]:
         self.now: LedgerIntegrals[N] = LedgerIntegrals()
         self._sources()
         self._dampers(rows.status)
@@ -344,25 +321,14 @@ def pack_extremes(scene: Scene, ends: Sequence[Edge], since: float) -> tuple[byt
     return pack.packed
 
 
-def pack_integrals(
-    integrals: LedgerIntegrals, terms: int, form: NumberForm[Any] = DOUBLES
-) -> tuple[bytes, bytes]:
-    """The integrals of a mode, whose event functions have so many `terms`."""
-    pack, columns = Packer(form), integrals.columns
-    pack.put((len(integrals.integrals), len(integrals.functions), len(columns)))
-    pack.put((terms, sum(len(function.terms) for function in integrals.functions)))
-    pack.put((integrals.forces, integrals.spins))
-    pack.put(columns)
+def pack_integrals(integrals: LedgerIntegrals, form: NumberForm[Any] = DOUBLES) -> tuple[bytes, bytes]:
+    """The integrals of a mode."""
+    pack, functions = Packer(form), integrals.functions
+    pack.put((len(integrals.integrals), len(functions), sum(len(function.terms) for function in functions)))
     for m in integrals.integrals:
         pack.put((m.kind, m.entry, m.P, m.Q, m.source), (m.factor, m.drift))
-    for function in integrals.functions:
+    for function in functions:
         pack.put((len(function.terms),), (function.constant,))
         for term in function.terms:
             pack.put((term.kind, term.P), (term.coefficient,))
     return pack.packed
-
-
-def terms_of(rows: ModeRows) -> int:
-    """Number of terms of the event functions of a mode."""
-    slopes = sum(len(one.terms) for event in rows.events for one in event.slope)
-    return sum(len(event.terms) for event in rows.events) + slopes

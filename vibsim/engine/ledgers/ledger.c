@@ -55,11 +55,9 @@ static void taylor_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int 
     Real squares[NODE_COUNT];
     for (n = 0; n < count; n++)
         squares[n] = tau[n] * tau[n];
-    for (i = 0; i < m->column_count; i++) {
-        int c = m->columns[i];
-        if (c < r->bodies || (c > r->bodies && r->has_base))
-            series_at_nodes(rates + column_in_table(r, c), rows, f->stride, tau, squares, at->v[c]);
-    }
+    for (i = 0; i < r->columns; i++)
+        if (m->reads[i] && (i < r->bodies || (i > r->bodies && r->has_base)))
+            series_at_nodes(rates + column_in_table(r, i), rows, f->stride, tau, squares, at->v[i]);
     if (m->spins)
         series_at_nodes(rates + r->bodies, rows, f->stride, tau, squares, at->w);
     for (i = 0; m->forces && i < r->force_count; i++)
@@ -87,9 +85,9 @@ static void many_nodes(Run *r, const LedgerIntegrals *m, const Real *tau, int fi
     int i, k, n;
     closed_form_many(r, tau + first, count);
     closed_form_base(r, X, at->v[base] + first);
-    for (i = 0; i < m->column_count; i++)
-        if (m->columns[i] < r->bodies)
-            closed_form_body(r, m->columns[i], X, at->v[base] + first, x, at->v[m->columns[i]] + first);
+    for (i = 0; i < r->bodies; i++)
+        if (m->reads[i])
+            closed_form_body(r, i, X, at->v[base] + first, x, at->v[i] + first);
     for (i = 0; m->forces && i < r->force_count; i++) {
         const Force *force = &r->forces[i];
         Real *out = at->force[i] + first, sines[NODE_COUNT];
@@ -117,9 +115,9 @@ static void closed_form_nodes(Run *r, const LedgerIntegrals *m, const Real *tau)
     int i, n;
     for (n = 0; n < alone; n++) {
         closed_form_state_after(r, tau[n], &r->scratch);
-        for (i = 0; i < m->column_count; i++)
-            if (m->columns[i] < r->bodies)
-                at->v[m->columns[i]][n] = r->scratch.v[m->columns[i]];
+        for (i = 0; i < r->bodies; i++)
+            if (m->reads[i])
+                at->v[i][n] = r->scratch.v[i];
         at->v[base][n] = 0.0;
         for (i = 0; i < r->base_count; i++)
             if (r->base[i].harmonic >= 0)

@@ -73,26 +73,22 @@ static void read_functions(Run *r, Mode *m, Reader *in, int first)
 int integrals_read(Run *r, Mode *m, Reader *in)
 {
     LedgerIntegrals *to = &m->integrals;
-    int terms, more, i;
+    const int terms = m->term_count;
+    int more, i;
     in->owner = m;
     to->count = read_index(in, 0, MOST);
     to->function_count = read_index(in, 0, MOST);
-    to->column_count = read_index(in, 0, r->columns);
-    terms = read_index(in, 0, MOST);
     more = read_index(in, 0, MOST);
-    to->forces = read_index(in, 0, 1);
-    to->spins = read_index(in, 0, r->has_motor);
     to->integrals = room(in, to->count, sizeof(LedgerIntegral));
     to->functions = room(in, to->function_count, sizeof(Event));
-    to->columns = room(in, to->column_count, sizeof(int));
+    to->reads = room(in, r->columns, sizeof(int));
     if (in->short_of || !grow((void **)&m->terms, (size_t)terms, (size_t)(terms + more + 1), sizeof(Term)) || !alloc_functions(&r->ledger.nodes, to->function_count))
         return 0;
-    for (i = 0; i < to->column_count; i++)
-        to->columns[i] = read_index(in, 0, r->columns - 1);
     for (i = 0; i < to->count; i++) {
         LedgerIntegral *one = &to->integrals[i];
         int of_force;
         one->kind = read_index(in, SQUARE, RUB);
+        in->short_of = in->short_of || (one->kind == TORQUE && !r->has_motor);
         of_force = one->kind == WORK || one->kind == IMPULSE;
         one->entry = read_index(in, 0, r->ledger.count - 1);
         one->P = read_index(in, one->kind == FUNCTION || one->kind == IMPULSE || one->kind == TORQUE ? -1 : 0, r->columns - 1);
@@ -100,6 +96,12 @@ int integrals_read(Run *r, Mode *m, Reader *in)
         one->source = read_index(in, of_force || one->kind == FUNCTION || one->kind == RUB ? 0 : -1, (of_force ? r->force_count : to->function_count) - 1);
         one->factor = read_double(in);
         one->drift = read_double(in);
+        if (one->P >= 0)
+            to->reads[one->P] = 1;
+        if (one->Q >= 0)
+            to->reads[one->Q] = 1;
+        to->forces = to->forces || of_force;
+        to->spins = to->spins || one->kind == TORQUE;
     }
     read_functions(r, m, in, terms);
     return read_through(in);

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.flows.closed.modal import harmonic_key, pitches
 from vibsim.engine.flows.closed.modal_maker import may_have_closed_form, modal_of
-from vibsim.engine.ledger_integrals import IntegralMaker, pack_integrals, terms_of
+from vibsim.engine.ledger_integrals import IntegralMaker, pack_integrals
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.parametric_rows import Numbers, ParametricRows, Place, recipe_of, settings
 from vibsim.engine.modes.row_maker import RowMaker
@@ -136,9 +136,7 @@ class ModeTable:
             packed = self._integrals.get((status, momentum))
             if packed is None:
                 rows = self.maker.rows(status)
-                made = pack_integrals(
-                    self.integral_maker(momentum).integrals(rows), terms_of(rows), self.form
-                )
+                made = pack_integrals(self.integral_maker(momentum).integrals(rows), self.form)
                 packed = self._integrals.keep((status, momentum), made, bytes_of(made))
         return packed
 

@@ -73,7 +73,7 @@ Mode *mode_read(Run *r, Reader *in)
     m->coupling_count = read_index(in, 0, MOST);
     m->event_count = read_index(in, 0, MOST);
     m->constant_count = read_index(in, 0, MOST);
-    terms = read_index(in, 0, MOST);
+    terms = m->term_count = read_index(in, 0, MOST);
     slopes = read_index(in, 0, MOST);
     slope_constants = read_index(in, 0, MOST);
     pairs = read_index(in, 0, MOST);
