@@ -1,30 +1,8 @@
-/* The functions of the module on doubles, beside the type Run: elementary ones, matrices, roots, runs side by side. */
+/* The functions of the module of doubles alone: of arrays, matrices, roots, runs side by side. */
 #include "run_object.h" /* with Python.h, which goes first */
 
-#include "elementary.h"
 #include "matrices.h"
 #include "roots_alone.h"
-
-#define FUNCTION(CODE, name, of, sign, text)                                                              \
-    static PyObject *name##_value(PyObject *self, PyObject *x)                                            \
-    {                                                                                                     \
-        const double value = PyFloat_AsDouble(x);                                                         \
-        (void)self;                                                                                       \
-        return value == -1.0 && PyErr_Occurred() ? NULL : PyFloat_FromDouble(of(value));                  \
-    }
-ELEMENTARY_FUNCTIONS(FUNCTION)
-FUNCTION(EXPM1, expm1, exponential_less_1, 0, )
-
-static PyObject *sine_cosine_value(PyObject *self, PyObject *x)
-{
-    const double angle = PyFloat_AsDouble(x);
-    double sine, cosine;
-    (void)self;
-    if (angle == -1.0 && PyErr_Occurred())
-        return NULL;
-    sine_cosine(angle, &sine, &cosine);
-    return Py_BuildValue("dd", sine, cosine);
-}
 
 static PyObject *sines_cosines(PyObject *self, PyObject *args)
 {
@@ -44,23 +22,12 @@ static PyObject *sines_cosines(PyObject *self, PyObject *args)
     return NULL;
 }
 
-static PyObject *power_value(PyObject *self, PyObject *args)
-{
-    double a, p;
-    (void)self;
-    return PyArg_ParseTuple(args, "dd", &a, &p) ? PyFloat_FromDouble(real_power(a, p)) : NULL;
-}
-
 PyMethodDef double_functions[] = {
     {"advance_together", advance_together, METH_VARARGS,
      "advance_together(runs, widest) -> list of what `advance()` gives of each of up to 64 runs in a tuple, computed side by side;\n"
      "None of a run that waits for the next call, because another one has stopped.\n"
      "widest: lanes in a vector at most, where fewer than the processor has are wanted; 0: none."},
-    ELEMENTARY_FUNCTIONS(METHOD)
-    {"expm1", expm1_value, METH_O, "exp(x) - 1."},
-    {"sine_cosine", sine_cosine_value, METH_O, "Sine and cosine of an angle [rad]; beyond a million radians with the error that n eps in it makes."},
     {"sines_cosines", sines_cosines, METH_VARARGS, "sines_cosines(angles, sines, cosines): of arrays of doubles, the last two to be filled."},
-    {"power", power_value, METH_VARARGS, "power(a, p): a**p for a >= 0, nan of a below 0; 1 for p = 0."},
     {"product", matrix_product, METH_VARARGS, "product(a, b, out): matrix product; vectors are a row a, a column b"},
     {"dot", matrix_dot, METH_VARARGS, "dot(a, b) -> sum of the products of two vectors"},
     {"solved", matrix_solved, METH_VARARGS, "solved(a, b, x) -> smallest pivot, 0 where a is singular: x with a x = b"},

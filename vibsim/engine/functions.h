@@ -19,7 +19,4 @@
     F(ASIN, asin, arcsine, 1, "Angle [rad] from -pi/2 to pi/2 of a sine; nan beyond 1.")          \
     F(ACOS, acos, arccosine, -1, "Angle [rad] from 0 to pi of a cosine; nan beyond 1.")
 
-/* The entry of a function in the table of a module of Python, where it is name_value. */
-#define METHOD(CODE, name, of, sign, text) {#name, name##_value, METH_O, text},
-
 #endif

@@ -452,6 +452,8 @@ PyMODINIT_FUNC INIT(void)
     describe_type();
     if (PyType_Ready(&run_type) < 0 || (made = PyModule_Create(&module)) == NULL)
         return NULL;
+    if (PyModule_AddFunctions(made, elementary_functions) < 0)
+        return NULL;
 #ifdef LIMBS
     if (numbers_ready() < 0)
         return NULL;

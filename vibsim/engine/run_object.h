@@ -43,6 +43,7 @@ static inline int number_from(PyObject *object, void *out)
     return 1;
 }
 #endif
+extern PyMethodDef elementary_functions[]; /* function_objects.c: of either kind of numbers */
 
 /* module.c: a packed state; 0, or -1 where an error is set */
 int read_state(const Run *r, const Py_buffer *view, State *s);

@@ -248,17 +248,6 @@ static PyObject *half_turn(PyObject *self, PyObject *none)
     return number_object(HALF_TURN);
 }
 
-#define FUNCTION(CODE, name, of, sign, text)                                                                       \
-    static PyObject *name##_value(PyObject *self, PyObject *x)                                 \
-    {                                                                                          \
-        Real value;                                                                            \
-        (void)self;                                                                            \
-        return number_from(x, &value) ? number_object(of(value)) : NULL;                       \
-    }
-ELEMENTARY_FUNCTIONS(FUNCTION)
-FUNCTION(EXPM1, expm1, exponential_less_1, 0, )
-FUNCTION(FLOOR, floor, floor, 0, )
-
 /* 0 of what rounding has left below 0. */
 static PyObject *root(PyObject *self, PyObject *x)
 {
@@ -269,21 +258,11 @@ static PyObject *root(PyObject *self, PyObject *x)
     return number_object(value > 0 ? sqrt(value) : is_no_number(value) ? value : Real(0));
 }
 
-static PyObject *sine_and_cosine(PyObject *self, PyObject *x)
+static PyObject *floor_value(PyObject *self, PyObject *x)
 {
-    Real angle, sine, cosine;
+    Real value;
     (void)self;
-    if (!number_from(x, &angle))
-        return NULL;
-    sine_cosine(angle, &sine, &cosine);
-    return Py_BuildValue("NN", number_object(sine), number_object(cosine));
-}
-
-static PyObject *power_of(PyObject *self, PyObject *args)
-{
-    Real a, p;
-    (void)self;
-    return PyArg_ParseTuple(args, "O&O&", number_from, &a, number_from, &p) ? number_object(real_power(a, p)) : NULL;
+    return number_from(x, &value) ? number_object(floor(value)) : NULL;
 }
 
 static PyObject *next_after(PyObject *self, PyObject *args)
@@ -354,12 +333,8 @@ PyMethodDef number_functions[] = {
     {"precision", precision, METH_VARARGS, "precision(bits): of what this thread computes from now on"},
     {"number", number, METH_VARARGS, "number(m, e) -> m 2**e; m of no more bits than the words have"},
     {"pi", half_turn, METH_NOARGS, "pi() -> half a turn [rad]"},
-    ELEMENTARY_FUNCTIONS(METHOD)
-    {"expm1", expm1_value, METH_O, "exp(x) - 1."},
-    {"sine_cosine", sine_and_cosine, METH_O, "Sine and cosine of an angle [rad]."},
     {"sqrt", root, METH_O, "Square root; 0 of what rounding has left below 0."},
     {"floor", floor_value, METH_O, "The largest whole number not above x."},
-    {"power", power_of, METH_VARARGS, "power(a, p): a**p for a >= 0, nan of a below 0; 1 for p = 0."},
     {"next_after", next_after, METH_VARARGS, "next_after(t, towards): the next larger time, a unit round-off on."},
     {"packed", packed, METH_O, "packed(numbers) -> the bytes that C takes"},
     {"unpacked", unpacked, METH_VARARGS, "unpacked(bytes) -> list of numbers"},
