@@ -1,9 +1,6 @@
 /* The functions of the module of doubles alone: of arrays, matrices, roots, runs side by side. */
 #include "run_object.h" /* with Python.h, which goes first */
 
-#include "matrices.h"
-#include "roots_alone.h"
-
 static PyObject *sines_cosines(PyObject *self, PyObject *args)
 {
     Py_buffer v[3];

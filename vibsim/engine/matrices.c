@@ -6,14 +6,9 @@
  * and the QR method with double shifts (Martin, Peters and Wilkinson 1970; `hqr` of EISPACK). Matrices come and go as buffers of
  * doubles in rows, of one or two dimensions.
  */
-#define PY_SSIZE_T_CLEAN
-#include <Python.h>
+#include "run_object.h" /* with Python.h, which goes first */
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
-
-#include "matrices.h"
 
 /* SWEEPS: of rotations, and of balancing: both converge within ten. STEPS: of the QR method to one eigenvalue; more than 30 have
  * not been seen.

@@ -29,9 +29,18 @@ int numbers_ready(void);
 int bits_fit(int bits);
 extern PyMethodDef number_functions[];
 #else
-/* double_functions.c; module.c: several runs side by side */
+/* double_functions.c, and what it lists: of module.c, several runs side by side; of matrices.c; of roots_alone.c */
 extern PyMethodDef double_functions[];
 PyObject *advance_together(PyObject *module, PyObject *args);
+PyObject *matrix_product(PyObject *module, PyObject *args);
+PyObject *matrix_dot(PyObject *module, PyObject *args);
+PyObject *matrix_solved(PyObject *module, PyObject *args);
+PyObject *matrix_determinant(PyObject *module, PyObject *args);
+PyObject *matrix_singular(PyObject *module, PyObject *args);
+PyObject *matrix_eigenvalues(PyObject *module, PyObject *args);
+PyObject *root_first(PyObject *module, PyObject *args);
+PyObject *root_safe_step(PyObject *module, PyObject *args);
+PyObject *root_deflated_step(PyObject *module, PyObject *args);
 #define number_object PyFloat_FromDouble
 
 static inline int number_from(PyObject *object, void *out)

@@ -1,5 +1,5 @@
 /* First roots of polynomials for Python: functions of the module, to be tested without a run. */
-#include "roots_alone.h"
+#include "run_object.h" /* with Python.h, which goes first */
 
 #include "certificate.h"
 #include "first_root.h"
