@@ -73,7 +73,7 @@ class Run:
     def extremes(self) -> tuple[list[float], list[float], list[float]]: ...
     def hand_jump(
         self,
-        jumps: bool,
+        kind: int,
         determinant: float,
         tangencies: int,
         closest: float,

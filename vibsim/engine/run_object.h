@@ -105,7 +105,7 @@ int read_state(const Run *r, const Py_buffer *view, State *s);
     M(disturbances, METH_NOARGS, "disturbances() -> disturbances and how close events were to tangency") \
     M(outcome, METH_VARARGS, "outcome(out) -> how many numbers: fills `out` with what a motion that carries disturbances has come to") \
     M(hand_jump, METH_VARARGS, \
-      "hand_jump(jumps, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances") \
+      "hand_jump(kind, determinant, tangencies, closest, undefined, vectors): what the pending event, which Python takes, did to disturbances") \
     M(look, METH_VARARGS, "look(mode, state) -> length of a step: expand the motion there; of a run that is not started") \
     M(derivatives, METH_VARARGS, \
       "derivatives(event, count) -> those of order 0 to `count` of an event function where the motion was looked at") \

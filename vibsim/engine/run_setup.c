@@ -254,16 +254,16 @@ PyObject *Run_set_rule(RunObject *self, PyObject *args)
     Py_RETURN_NONE;
 }
 
-/* What the pending event does to the disturbances, where Python takes it: those that it left, and whether it moved them. */
+/* What the pending event does to the disturbances, where Python takes it, and those that it left. */
 PyObject *Run_hand_jump(RunObject *self, PyObject *args)
 {
     Tangent *b = self->run.tangent;
     Py_buffer v;
-    Handed h = {1, 0, 0, 0, 1.0, 1.0};
+    Handed h = {1, SAME, 0, 0, 1.0, 1.0};
     int i, fits;
-    if (!PyArg_ParseTuple(args, "pO&iO&py*", &h.jumps, number_from, &h.determinant, &h.tangencies, number_from, &h.closest, &h.undefined, &v))
+    if (!PyArg_ParseTuple(args, "iO&iO&py*", &h.kind, number_from, &h.determinant, &h.tangencies, number_from, &h.closest, &h.undefined, &v))
         return NULL;
-    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && v.len == (Py_ssize_t)sizeof(Real) * b->possible * b->size;
+    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && h.kind >= SAME && h.kind <= JOINED && v.len == (Py_ssize_t)sizeof(Real) * b->possible * b->size;
     for (i = 0; fits && i < b->possible; i++)
         put_vector(b, i, (const Real *)v.buf + i * b->size);
     PyBuffer_Release(&v);

@@ -118,36 +118,3 @@ def left_open(
         lost * abs(phi) + late * abs(w),
         lost * abs(state.w) + late * abs(alpha),
     )
-
-
-def joined(scene: Scene[N], kit: Kit[N], rows: ModeRows[N], state: State[N], vector: Sequence[N]) -> list[N]:
-    """The disturbance (dx, dv, ...) after the ties of the mode have given tied bodies one velocity: momentum
-    is kept, what the ground or the base holds stops.
-    """
-    n, zero, motor, leader = len(scene.bodies), kit.number(0), scene.motor, rows.leader
-    tied = {leader[c] for c in range(n) if leader[c] != c}
-    if not tied:
-        return list(vector)
-    P, turning = [zero] * (n + 2), zero
-    for c in range(n):
-        P[leader[c]] = P[leader[c]] + scene.bodies[c].m * vector[n + c]
-    if motor is not None:
-        inertia, coupling = motor.inertia, motor.unbalance * kit.sin(state.phase)
-        dv, dw, on = vector[n + motor.on], vector[-1], leader[motor.on]
-        P[on] = P[on] + (motor.m3 * dv - coupling * dw)
-        turning = inertia * dw - coupling * dv
-    for one in rows.rotors:
-        coupling = one.unbalance * kit.sin(state.x[one.column])
-        P[leader[one.on]] = P[leader[one.on]] - coupling * vector[n + one.column]
-        P[one.column] = P[one.column] - coupling * vector[n + one.on]
-    velocities, rotor = response(scene, kit, rows, state, P, turning, zero)
-    after = list(vector)
-    for c in range(n):
-        if leader[c] in tied:
-            after[n + c] = velocities[c]
-    for one in rows.rotors:
-        if leader[one.on] in tied:
-            after[n + one.column] = velocities[one.column]
-    if motor is not None and leader[motor.on] in tied:
-        after[-1] = rotor
-    return after

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum, auto
 from typing import Generic
 
 from vibsim.engine.errors import State
@@ -33,11 +34,16 @@ from vibsim.physics.parts import Rotor, Scene
 ImpactGeometry = Sequence[tuple[Contact[N], Impulse[N]]]  # the stops that passed an impulse, and these
 
 
-class Undefined:
-    """There is no first derivative at an event."""
+class NoMatrix(Enum):
+    """In place of a saltation matrix: there is no first derivative at an event, or C gives tied bodies their
+    common velocity.
+    """
+
+    UNDEFINED = auto()
+    JOINED = auto()
 
 
-UNDEFINED = Undefined()
+UNDEFINED, JOINED = NoMatrix.UNDEFINED, NoMatrix.JOINED
 
 
 @dataclass
@@ -226,7 +232,7 @@ def impact_saltation(
     after: ModeRows[N],
     event: Event[N],
     touch: SimultaneousImpacts[N],
-) -> ImpactSaltation[N] | Undefined | None:
+) -> ImpactSaltation[N] | NoMatrix | None:
     """The saltation of a STRIKE `event` at `state`, which `touch` led to, between the modes of the rows
     `before` and `after`. None where nothing is struck, UNDEFINED where there is none.
     """

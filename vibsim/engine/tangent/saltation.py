@@ -7,7 +7,7 @@ on without a jump, so f+ - f- consists of accelerations; for impacts see `impact
 where no formula has a say (`events/saltation.c`). Here are
     contact, reversal of stops and frictions by formulas: by the vector fields on both sides
     sticking          f+ - f- is what a force between the two bodies makes, n^T f+ + dh/dt = 0: whatever the
-                      forces, S gives the bodies their common velocity and keeps momentum
+                      forces, S gives the bodies their common velocity and keeps momentum, as C has it
     switch            that makes a formula jump
     release           where a tie at its limit begins to slip with less force than that, f+ - f- is what
                       the drop makes and n the gradient of the force that the tie passes
@@ -22,7 +22,7 @@ from typing import Generic, Protocol
 
 from vibsim.engine.errors import State
 from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
-from vibsim.engine.flows.accelerations import accelerations, joined, left_open, response
+from vibsim.engine.flows.accelerations import accelerations, left_open, response
 from vibsim.engine.flows.base_motion import base_motion, course_acceleration
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.flows.tape import Inputs, TapeValues
@@ -41,7 +41,7 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.engine.modes.status import RESTING, STICK, Status
-from vibsim.engine.tangent.impact_saltation import UNDEFINED, Undefined, impact_saltation
+from vibsim.engine.tangent.impact_saltation import JOINED, UNDEFINED, NoMatrix, impact_saltation
 from vibsim.engine.tangent.packing_tangent import slopes_of
 from vibsim.physics.formulas import is_continuous
 from vibsim.physics.numbers import Kit, N, total_of
@@ -193,25 +193,6 @@ class DisturbedForces(Generic[N]):
         return total
 
 
-@dataclass
-class Sticking(Generic[N]):
-    """S that joins velocities."""
-
-    scene: Scene[N]
-    kit: Kit[N]
-    rows: ModeRows[N]
-    state: State[N]
-
-    def applied(self, vector: Sequence[N]) -> list[N]:
-        """S times a disturbance."""
-        return joined(self.scene, self.kit, self.rows, self.state, vector)
-
-    @property
-    def determinant(self) -> N:
-        """Of S, which takes a direction from the velocities."""
-        return self.kit.number(0)
-
-
 def gradient(kit: Kit[N], event: Event[N], vector: Sequence[N], bodies: int) -> N:
     """n^T times a disturbance: the change of a function made of differences or of their rates. Ground and
     base are not disturbed.
@@ -286,8 +267,10 @@ class EventCrossing(ModeChange[N]):
     def kit(self) -> Kit[N]:
         return self.expansion.kit
 
-    def saltation(self) -> Jump[N] | Undefined | None:
-        """S of the event; None where it changes nothing, UNDEFINED where there is none."""
+    def saltation(self) -> Jump[N] | NoMatrix | None:
+        """S of the event; None where it changes nothing, UNDEFINED where there is none, JOINED where C has
+        it.
+        """
         kind, touch, scene = self.event.kind, self.touch, self.scene
         if kind == STRIKE:
             assert touch is not None
@@ -302,7 +285,7 @@ class EventCrossing(ModeChange[N]):
             return Release(self.event, change, n, self.kit, scene, self.before, self.state)
         return self._of_contact() if kind in (SLIDE, GAP) else None
 
-    def _of_contact(self) -> Jump[N] | None:
+    def _of_contact(self) -> Jump[N] | NoMatrix | None:
         """S where a gap or a sliding velocity comes to zero."""
         old, new, turned = self.before.status, self.after.status, self.turned
         if old == new:
@@ -310,7 +293,7 @@ class EventCrossing(ModeChange[N]):
         sticks = self.event.kind == SLIDE and turned and self.tied
         if sticks and all(new.frictions[i] == STICK for i in turned):
             if resting(old) == resting(new):
-                return Sticking(self.scene, self.kit, self.after, self.state)
+                return JOINED
             return self._by_fields(self.jump())
         return self._by_fields(self.jump(True))
 

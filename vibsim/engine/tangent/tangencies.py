@@ -25,7 +25,7 @@ from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.rows import FORMULA, GAP, HOLD, SLIDE, STRIKE, SWITCH, Event, Joined, ModeRows, Rule
 from vibsim.engine.modes.status import STICK, Status
-from vibsim.engine.tangent.impact_saltation import ImpactSaltation, Undefined
+from vibsim.engine.tangent.impact_saltation import JOINED, UNDEFINED, ImpactSaltation, NoMatrix
 from vibsim.engine.tangent.saltation import EventCrossing, Jump, ModeChange, gradient
 from vibsim.engine.tangent.tangent_space import natural_rate
 from vibsim.physics.numbers import Kit, N, abs
@@ -33,6 +33,7 @@ from vibsim.physics.parts import Scene
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
 GRAZING = 2.0**-40  # a depth of some thousand roundings
+SAME, MOVED, JOIN = range(3)  # disturbances as C hears of them: unchanged, moved, to be joined
 
 
 class Jumps(Generic[N]):
@@ -87,14 +88,16 @@ class Jumps(Generic[N]):
         at = EventCrossing(self.scene, before, after, event, self.expansion, state, touch)
         jump = at.saltation()
         closest, undefined = self._judged(at, jump, entries["fastest"], entries["since"])
-        jump = None if isinstance(jump, Undefined) else jump
-        determinant = jump.determinant if jump and before.leader == after.leader else self.kit.number(1)
-        moved = form.packed([value for one in vectors for value in (jump.applied(one) if jump else one)])
-        told = determinant, int(closest < CLOSE), closest, undefined
-        self.run.hand_jump(jump is not None, *told, moved)
+        kind = JOIN if jump is JOINED else SAME
+        determinant = self.kit.number(1)
+        if not isinstance(jump, NoMatrix | None):
+            kind, vectors = MOVED, map(jump.applied, vectors)
+            determinant = jump.determinant if before.leader == after.leader else determinant
+        moved = form.packed([value for one in vectors for value in one])
+        self.run.hand_jump(kind, determinant, int(closest < CLOSE), closest, undefined, moved)
 
     def _judged(
-        self, at: EventCrossing[N], jump: Jump[N] | Undefined | None, fastest: Sequence[N], since: Sequence[N]
+        self, at: EventCrossing[N], jump: Jump[N] | NoMatrix | None, fastest: Sequence[N], since: Sequence[N]
     ) -> tuple[N, bool]:
         """(Square of the rate of an event over that of the whole motion, at most 1, and 1 where it is not
         judged; whether it has no derivative).
@@ -104,7 +107,7 @@ class Jumps(Generic[N]):
         """
         event, before, after, one = at.event, at.before, at.after, self.kit.number(1)
         i, grazes = event.part, False
-        if isinstance(jump, Undefined):
+        if jump is UNDEFINED:
             return one, True
         if event.kind == GAP and fastest[i] > 0 and before.status.stops[i] != after.status.stops[i]:
             share = self._parting_rate(self.scene.stops[i], at.state, before) / fastest[i]

@@ -93,9 +93,9 @@ typedef struct {
     long long count, undefined;
 } Tangencies;
 
-/* What an event did, where Python took it. */
+/* What an event did, where Python took it; it has moved disturbances itself but for JOINED. */
 typedef struct {
-    int here, jumps, tangencies, undefined;
+    int here, kind, tangencies, undefined;
     Real determinant, closest;
 } Handed;
 

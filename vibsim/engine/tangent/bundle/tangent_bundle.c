@@ -368,23 +368,25 @@ static void change_ties(Run *r, const Mode *after)
 /* Judge an event and apply its saltation. */
 static Handed jump(Run *r, const Event *e, const Mode *before, const Mode *after)
 {
-    Handed done = {0, 0, 0, 0, 1.0, 1.0};
+    Handed done = {0, SAME, 0, 0, 1.0, 1.0};
     Saltation s;
     tangencies_judge(r, e, &r->next, before, after);
     s = saltation(r, &r->next, before, after, e);
     saltation_apply(r, &s, &r->next);
-    done.jumps = s.kind != SAME;
+    done.kind = s.kind;
     done.determinant = s.determinant;
     return done;
 }
 
 /* The same where Python has done so. */
-static Handed note_handed(Run *r)
+static Handed note_handed(Run *r, const Mode *after)
 {
     Tangent *b = r->tangent;
     tangencies_note(&b->tangencies, b->handed.tangencies, b->handed.closest, r->next.t);
     if (b->handed.undefined)
         tangencies_refuse(&b->tangencies, r->next.t);
+    if (b->handed.kind == JOINED)
+        join_disturbances(r, after, &r->next);
     return b->handed;
 }
 
@@ -404,13 +406,13 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
     Handed done;
     if (!b || (before == after && e->kind != STRIKE) || !known_part(b, e))
         return;
-    done = b->handed.here ? note_handed(r) : jump(r, e, before, after);
+    done = b->handed.here ? note_handed(r, after) : jump(r, e, before, after);
     b->handed.here = 0;
-    if (e->kind == STRIKE && done.jumps)
+    if (e->kind == STRIKE && done.kind != SAME)
         tangencies_struck_at(r, e->part, &r->next);
     if (!same_ties(r, before, after)) {
         change_ties(r, after);
-    } else if (done.jumps && !b->given) {
+    } else if (done.kind != SAME && !b->given) {
         Real volume, longest = 0.0, determinant = fabs(done.determinant);
         int i, flat;
         gauge_apply(b);
