@@ -10,7 +10,6 @@ from tests.engine.runs import scene_of
 from vibsim.cases import load_case
 from vibsim.engine.c_engine import CRun
 from vibsim.engine.errors import State
-from vibsim.engine.flows.accelerations import joined
 from vibsim.engine.flows.base_motion import base_motion
 from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.modes.mode_table import ModeTable
@@ -124,7 +123,8 @@ def slopes_of_events(scene, status, start):
     step = kit.number(2) ** -40
     at = moved(start, kit)
     tie(at, rows, (kit.number(0), base_motion(exact, kit, at.t)[1]))
-    vector = joined(exact, kit, rows, at, shift if scene.motor else shift[: 2 * n])
+    vector = shift if scene.motor else shift[: 2 * n]
+    vector[n : 2 * n] = [vector[n + c] if c < n else kit.number(0) for c in rows.leader[:n]]  # as ties allow
     forces = DisturbedForces(exact, kit, rows, at, vector)
     for event in (one for one in rows.events if one.kind in (HOLD, SWITCH)):
         values = []

@@ -15,7 +15,7 @@ from vibsim.engine.flows.base_motion import base_acceleration, course_velocity
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
-from vibsim.physics.numbers import N, abs
+from vibsim.physics.numbers import N, abs, total_of
 from vibsim.physics.parts import Motor, RigidStop, Scene
 
 # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
@@ -308,12 +308,8 @@ class StickSlipResolution(Generic[N]):
         if leader >= n:
             common = self.kit.number(0) if leader == n else self.relative.base(state, "v")
         else:
-            momentum = None
-            for c in members:
-                share = self.scene.bodies[c].m * (state.v[c] - drift[c])
-                momentum = share if momentum is None else momentum + share
-            assert momentum is not None  # the leader itself is a member
-            common = momentum / rows.own_mass(leader)
+            momenta = (self.scene.bodies[c].m * (state.v[c] - drift[c]) for c in members)
+            common = total_of(self.kit, momenta) / rows.own_mass(leader)
         old = list(state.v)
         for c in members:
             state.v[c] = common + drift[c]

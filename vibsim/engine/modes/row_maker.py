@@ -420,9 +420,7 @@ class RowMaker(Generic[N]):
         terms, constants = self._force_on(rows, columns)
         leader = rows.leader[columns[0]]
         if leader != self.n:
-            m = self.scene.bodies[columns[0]].m
-            for c in columns[1:]:
-                m = m + self.scene.bodies[c].m
+            m = total_of(self.kit, (self.scene.bodies[c].m for c in columns))
             terms += (Term(ACCELERATION, -m, leader),)
         return terms, constants
 

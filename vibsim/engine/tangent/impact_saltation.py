@@ -28,7 +28,7 @@ from vibsim.engine.events.impacts.simultaneous import SimultaneousImpacts
 from vibsim.engine.flows.accelerations import accelerations
 from vibsim.engine.modes.rows import Event, ModeRows
 from vibsim.engine.modes.status import OPEN, RESTING
-from vibsim.physics.numbers import Kit, N
+from vibsim.physics.numbers import Kit, N, total_of
 from vibsim.physics.parts import Rotor, Scene
 
 ImpactGeometry = Sequence[tuple[Contact[N], Impulse[N]]]  # the stops that passed an impulse, and these
@@ -116,7 +116,7 @@ class LinearImpact(Generic[N]):
     def __init__(
         self, scene: Scene[N], kit: Kit[N], passed: ImpactGeometry[N], phase: N, x: Sequence[N]
     ) -> None:
-        self.kit, self.passed = kit, passed
+        self.kit, self.passed, self.impulses = kit, passed, [one.impulse for _, one in passed]
         self.bodies = masses(scene, kit, phase, x)
         self.turned = [_TurnedRotor.at(scene, kit, self.bodies, one, x[one.column]) for one in scene.rotors]
         self.couplings = [[coupling(self.bodies, a, b) for b, _ in passed] for a, _ in passed]
@@ -142,9 +142,10 @@ class LinearImpact(Generic[N]):
         """
         demands = [-(c.sense * (dv[c.P] - dv[c.Q])) * (1 + c.e) for c, _ in self.passed]
         if self.on >= 0:
-            pushed = self._on_rotor([one.impulse for _, one in self.passed]) * (self.mobility_slope * dphi)
+            pushed = self._on_body(self.on, self.impulses) * (self.mobility_slope * dphi)
             demands = [
-                demand - self._gain(c) * pushed for demand, (c, _) in zip(demands, self.passed, strict=True)
+                demand - c.push_on(self.on) * pushed
+                for demand, (c, _) in zip(demands, self.passed, strict=True)
             ]
         shifts = self._shifts(dx)
         if shifts:
@@ -160,12 +161,12 @@ class LinearImpact(Generic[N]):
                 after[column] = after[column] + sign * impulse * self.bodies.mobility[column]
         if self.on >= 0:
             after[self.on] = after[self.on] + pushed
-            dw = dw + self.bodies.turning * self._on_rotor(impulses)
-            dw = dw + self.turning_slope * dphi * self._on_rotor([one.impulse for _, one in self.passed])
+            dw = dw + self.bodies.turning * self._on_body(self.on, impulses)
+            dw = dw + self.turning_slope * dphi * self._on_body(self.on, self.impulses)
         for column, shift in shifts.items():
             after[column] = after[column] + shift
         for one in self.turned:
-            gained = self.bodies.mobility[one.on] * self._impulse(one.on)
+            gained = self.bodies.mobility[one.on] * self._on_body(one.on, self.impulses)
             turn = one.turning * (after[one.on] - dv[one.on]) + one.turning_slope * dx[one.column] * gained
             after[one.column] = after[one.column] + turn
         return after, dw
@@ -176,27 +177,14 @@ class LinearImpact(Generic[N]):
         """
         shifts: dict[int, N] = {}
         for one in self.turned:
-            shift = self._impulse(one.on) * (one.mobility_slope * dx[one.column])
+            shift = self._on_body(one.on, self.impulses) * (one.mobility_slope * dx[one.column])
             shifts[one.on] = shifts.get(one.on, 0 * shift) + shift
         return shifts
 
-    def _impulse(self, column: int) -> N:
-        """Sum of the impulses on a body [N s]."""
-        total = self.kit.number(0)
-        for c, one in self.passed:
-            total = total + {c.P: c.sense, c.Q: -c.sense}.get(column, 0) * one.impulse
-        return total
-
-    def _gain(self, c: Contact[N]) -> int:
-        """By how much a velocity of the body with the rotor slows the depth of a stop."""
-        return {c.P: c.sense, c.Q: -c.sense}.get(self.on, 0)
-
-    def _on_rotor(self, impulses: Sequence[N]) -> N:
-        """Sum of impulses on the body with the rotor."""
-        total = 0 * self.mobility_slope
-        for (c, _), impulse in zip(self.passed, impulses, strict=True):
-            total = total + self._gain(c) * impulse
-        return total
+    def _on_body(self, column: int, impulses: Sequence[N]) -> N:
+        """Sum of impulses at the stops on a body [N s]."""
+        pushed = zip(self.passed, impulses, strict=True)
+        return total_of(self.kit, (c.push_on(column) * impulse for (c, _), impulse in pushed))
 
     def restitution(self, stop: int) -> N:
         return next(c.e for c, _ in self.passed if c.stop == stop)

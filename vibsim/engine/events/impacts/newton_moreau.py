@@ -32,6 +32,10 @@ class Contact(Generic[N]):
     sense: int
     e: N
 
+    def push_on(self, column: int) -> int:
+        """1 or -1 where an impulse at the stop pushes a column forwards or backwards, 0 where it does not."""
+        return {self.P: self.sense, self.Q: -self.sense}.get(column, 0)
+
 
 @dataclass(frozen=True)
 class Impulse(Generic[N]):

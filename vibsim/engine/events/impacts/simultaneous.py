@@ -11,7 +11,7 @@ from vibsim.engine.events.impacts.newton_moreau import Contact, Impulse, effecti
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.ties import Edge, Groups, Tie
-from vibsim.physics.numbers import N
+from vibsim.physics.numbers import N, total_of
 from vibsim.physics.parts import RigidStop, Scene
 
 
@@ -166,16 +166,9 @@ class RestProjection(Generic[N]):
         if any(held):
             shares = [zero if one else zero + 1 for one in held]
         else:
-            own, other = (self._mass(side) for side in sides)
+            own, other = (total_of(self.kit, (self.scene.bodies[c].m for c in side)) for side in sides)
             shares = [other / (own + other), own / (own + other)]
         for side, share, sign in zip(sides, shares, (1, -1), strict=True):
             for c in side:
                 if c < self.maker.n:
                     state.x[c] = state.x[c] + sign * (share * distance)
-
-    def _mass(self, bodies: Iterable[int]) -> N:
-        """Mass of bodies [kg], one by one: sum() of floats compensates from Python 3.12 on."""
-        total = self.kit.number(0)
-        for c in bodies:
-            total = total + self.scene.bodies[c].m
-        return total

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.closed.matrices import Matrix
 from vibsim.engine.modes.ties import Edge
-from vibsim.physics.numbers import N
+from vibsim.physics.numbers import Kit, N, total_of
 from vibsim.physics.parts import Harmonic, Scene
 
 if TYPE_CHECKING:
@@ -130,9 +130,10 @@ class Loads(Generic[N]):
         rows: ModeRows[N],
         harmonics: Sequence[Pitch[N]],
         places: dict[int, ModalPlace[N]],
-        zero: N,
+        kit: Kit[N],
     ) -> None:
-        self.scene, self.rows, self.harmonics, self.places, self.zero = scene, rows, harmonics, places, zero
+        self.scene, self.rows, self.harmonics, self.places, self.kit = scene, rows, harmonics, places, kit
+        self.zero = kit.number(0)
         self.leader, self.moves = rows.leader, rows.groups.moves
 
     def of(self, weights: list[N], component: Component[N]) -> tuple[N, list[N], list[N]]:
@@ -140,7 +141,7 @@ class Loads(Generic[N]):
         load = self.zero
         for q, stretch in zip(component.couplings, component.stretches, strict=True):
             if q.offset != 0:
-                load = load - _weight(weights, component.B, stretch, self.zero) * q.offset
+                load = load - self._weight(weights, component.B, stretch) * q.offset
         sines, cosines = [self.zero] * len(self.harmonics), [self.zero] * len(self.harmonics)
         for force in self.scene.forces:
             share = self._force_weight(weights, component.edges, self.leader[force.on])
@@ -174,7 +175,7 @@ class Loads(Generic[N]):
                 ends = [self.places[c].base if not self.moves(c) else (1 if rides else 0) for c in (q.P, q.Q)]
                 sway = ends[0] - ends[1]
                 if sway != 0:
-                    share = sway * _weight(weights, component.B, stretch, self.zero)
+                    share = sway * self._weight(weights, component.B, stretch)
                     sines[h] = sines[h] - share * (q.k * X)
                     cosines[h] = cosines[h] - share * (q.c * V)
 
@@ -182,14 +183,28 @@ class Loads(Generic[N]):
         """[(factor, mass)] by which a force on a column accelerates the coordinate; None where it does
         not.
         """
-        total = None
-        if not self.moves(column):
+        acting = [
+            weight if column == P else -weight
+            for weight, (P, Q) in zip(weights, edges, strict=True)
+            if column in (P, Q) and weight != 0
+        ]
+        if not self.moves(column) or not acting:
             return None
-        for weight, (P, Q) in zip(weights, edges, strict=True):
-            if column in (P, Q) and weight != 0:
-                part = weight if column == P else -weight
-                total = part if total is None else total + part
-        return None if total is None else (total, self.rows.own_mass(column))
+        return total_of(self.kit, acting), self.rows.own_mass(column)
+
+    def _weight(self, weights: list[N], B: Matrix[N], stretch: list[int]) -> N:
+        """Acceleration of the coordinate by a unit force in a coupling, with its sign turned: (weights B
+        stretch).
+        """
+        return total_of(
+            self.kit,
+            (
+                weight * (row[e] * stretched)
+                for weight, row in zip(weights, B, strict=True)
+                for e, stretched in enumerate(stretch)
+                if stretched != 0 and weight != 0
+            ),
+        )
 
     def shifts(self, weights: list[N], component: Component[N]) -> list[Shift[N]]:
         """Loads -k (distance of an end from the column that stands for it), by coupling: [(factor, plus,
@@ -212,7 +227,7 @@ class Loads(Generic[N]):
                     and moved.base == self.places[component.reference].base
                 ):
                     continue
-                factor = -(sign * _weight(weights, component.B, stretch, self.zero) * q.k)
+                factor = -(sign * self._weight(weights, component.B, stretch) * q.k)
                 shifts.append((factor, self._fixed(end), self._fixed(stands)))
         return [s for s in shifts if s[1] != s[2]]
 
@@ -233,19 +248,6 @@ class Loads(Generic[N]):
             if self.leader[column] in leaders:
                 load = load + value
         return load / total, sines
-
-
-def _weight(weights: list[N], B: Matrix[N], stretch: list[int], zero: N) -> N:
-    """Acceleration of the coordinate by a unit force in a coupling, with its sign turned: (weights B
-    stretch).
-    """
-    total = None
-    for m, weight in enumerate(weights):
-        for e, stretched in enumerate(stretch):
-            if stretched != 0 and weight != 0:
-                part = weight * (B[m][e] * stretched)
-                total = part if total is None else total + part
-    return zero if total is None else total
 
 
 def _per_mass(value: N, share: tuple[N, N]) -> N:

@@ -13,6 +13,7 @@ series.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from operator import mul
 from typing import TYPE_CHECKING, Generic
 
 from vibsim.engine.flows.closed.matrices import (
@@ -37,8 +38,8 @@ from vibsim.engine.flows.closed.modal import (
     Stands,
     Vector,
 )
-from vibsim.engine.modes.ties import Edge
-from vibsim.physics.numbers import Kit, N
+from vibsim.engine.modes.ties import Edge, Groups, beyond
+from vibsim.physics.numbers import Kit, N, total_of
 from vibsim.physics.parts import Scene
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class _Builder(Generic[N]):
         self.leader, self.moves = rows.leader, rows.groups.moves
         self.coordinates: list[Coordinate[N]] = []
         self.places: dict[int, ModalPlace[N]] = {}
-        self.loads = Loads(scene, rows, harmonics, self.places, self.zero)
+        self.loads = Loads(scene, rows, harmonics, self.places, kit)
 
     def build(self) -> Modal[N] | None:
         if self._belts_load():
@@ -120,22 +121,11 @@ class _Builder(Generic[N]):
         return ModalPlace(place.shape, fixed, place.base, place.sides, place.vectors)
 
     def _components(self) -> list[list[int]]:
-        """Leading columns that move, by what couplings join them: [(leaders, couplings)]."""
-        left = [c for c in range(self.n) if self.leader[c] == c and self.moves(c)]
-        components: list[list[int]] = []
-        while left:
-            reached, ahead = [left[0]], [left[0]]
-            while ahead:
-                c = ahead.pop(0)
-                for coupling in self.rows.couplings:
-                    P, Q = self.leader[coupling.P], self.leader[coupling.Q]
-                    for one, other in ((P, Q), (Q, P)):
-                        if one == c and self.moves(other) and other not in reached:
-                            reached.append(other)
-                            ahead.append(other)
-            components.append(sorted(reached))
-            left = [c for c in left if c not in reached]
-        return components
+        """Leading columns that move, by what couplings join them."""
+        ends = ((self.leader[coupling.P], self.leader[coupling.Q]) for coupling in self.rows.couplings)
+        joined = Groups(self.n, [(0, P, Q) for P, Q in ends if self.moves(P) and self.moves(Q)])
+        leading = (c for c in sorted(joined.members) if self.leader[c] == c and self.moves(c))
+        return [joined.members[c] for c in leading]
 
     def _component(self, leaders: list[int]) -> bool:
         """Coordinates of one component; whether it has a closed form."""
@@ -144,7 +134,7 @@ class _Builder(Generic[N]):
         anchors = [end for q in couplings for end in (q.P, q.Q) if not self.moves(end)]
         reference = anchors[0] if anchors else None
         edges = self._tree(leaders, couplings, reference)
-        sides = [self._side(P, edges, e) for e, (P, _) in enumerate(edges)]
+        sides = [{*beyond(edges, e, Q)} for e, (_, Q) in enumerate(edges)]
         differences = self._shares(leaders, sides, reference)
         stands: Stands = {c: [1 if c in side else 0 for side in sides] for c in {*leaders, reference}}
         shapes = self._oscillators(couplings, edges, stands, reference)
@@ -157,12 +147,9 @@ class _Builder(Generic[N]):
         for c in leaders:
             shape: dict[int, N | int] = {} if centre is None else {centre: 1}
             for m, vector in shapes:
-                total: N | None = None
-                for e in range(len(edges)):
-                    part = differences[c][e] * vector[e]
-                    total = part if total is None else total + part
-                if total is not None and total != 0:
-                    shape[m] = total
+                share = total_of(self.kit, map(mul, differences[c], vector))
+                if share != 0:
+                    shape[m] = share
             at: ModalPlace[N] = ModalPlace({}, ()) if reference is None else self.places[reference]
             self.places[c] = ModalPlace({**at.shape, **shape}, at.fixed, at.base)
             if reference is None:
@@ -202,23 +189,8 @@ class _Builder(Generic[N]):
                 shares[c].append(far / (near + far) if c in side else -(near / (near + far)))
         return shares
 
-    def _side(self, start: int, edges: list[Edge], cut: int) -> set[int]:
-        reached, ahead = {start}, [start]
-        while ahead:
-            c = ahead.pop()
-            for e, (P, Q) in enumerate(edges):
-                for one, other in ((P, Q), (Q, P)):
-                    if e != cut and one == c and other not in reached:
-                        reached.add(other)
-                        ahead.append(other)
-        return reached
-
     def _total(self, leaders: Iterable[int]) -> N:
-        first, *others = leaders
-        total = self.rows.own_mass(first)
-        for c in others:
-            total = total + self.rows.own_mass(c)
-        return total
+        return total_of(self.kit, map(self.rows.own_mass, leaders))
 
     def _stretch(self, coupling: Coupling[N], stands: Stands, reference: int | None) -> list[int]:
         """How far a coupling stretches with each difference: 0, 1 or -1."""
@@ -236,9 +208,7 @@ class _Builder(Generic[N]):
         stretches = [self._stretch(q, stands, reference) for q in couplings]
         component = Component(edges, B, couplings, stretches, reference)
         if size == 1:
-            k, c = couplings[0].k, couplings[0].c
-            for q in couplings[1:]:
-                k, c = k + q.k, c + q.c
+            k, c = total_of(self.kit, (q.k for q in couplings)), total_of(self.kit, (q.c for q in couplings))
             forward, backward = [[self.kit.number(1)]], [[self.kit.number(1)]]
             rates, damping = [k * B[0][0]], [c * B[0][0] / 2]
         else:
@@ -262,12 +232,9 @@ class _Builder(Generic[N]):
 
     def _mobility(self, one: Edge, other: Edge) -> N:
         """Entry of B = D M^-1 D' for two differences."""
-        total = None
-        for c, sign in ((one[0], 1), (one[1], -1)):
-            if self.moves(c) and c in other:
-                part = (sign if c == other[0] else -sign) * self.rows.mobility[c]
-                total = part if total is None else total + part
-        return self.zero if total is None else total
+        ends = [(c, sign) for c, sign in ((one[0], 1), (one[1], -1)) if self.moves(c) and c in other]
+        parts = ((sign if c == other[0] else -sign) * self.rows.mobility[c] for c, sign in ends)
+        return total_of(self.kit, parts)
 
     def _centre(self, leaders: list[int]) -> int:
         """The coordinate of a centre of mass; its number."""
