@@ -457,7 +457,7 @@ class CRun:
                 moving = (value for pair in zip(end.x, end.v, strict=True) for value in pair)
                 row = self.form.packed([end.t, *moving, self.kit.unwind(end.phase, end.turns), end.w])
                 states[:, made:] = np.frombuffer(row, dtype=states.dtype)[:, None]
-                codes[:, made:] = np.array(self.statuses[self.tally["mode"]].codes)[:, None]
+                codes[:, made:] = np.array(self.statuses[self.run.tally()["mode"]].codes)[:, None]
                 break
         return states, codes
 
@@ -526,7 +526,3 @@ class CRun:
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}
-
-    @property
-    def tally(self) -> dict[str, Any]:
-        return self.run.tally()

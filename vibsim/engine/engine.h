@@ -517,7 +517,7 @@ int taylor_bounds(const Run *r, const Event *e, int count, int exact, int summed
 
 /* formula_step.c; shorten_step sets the status SINGULAR where no step is short enough */
 void tape_values(const Run *r, Real tau);
-void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates);
+void tape_values_at(const Run *r, const Mode *m, const State *state, Real X, Real V, const Real *rates);
 void shorten_step(Run *r);
 Real overflowing_zero(const Tape *tape, const TapeRoom *room, int count);
 

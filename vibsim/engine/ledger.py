@@ -119,18 +119,12 @@ MOMENTUM = {
 }
 
 
-def totals_of(
-    counts: Sequence[int],
-    certificate: tuple[int, float, float, float],
-    work: tuple[int, int],
-    first_violation: float,
-) -> dict[str, Any]:
-    """Counts and margins by name.
+def totals_of(tally: Mapping[str, Any], certificate: Sequence[float]) -> dict[str, Any]:
+    """Counts and margins by name, from the tally of a run in C.
 
-    counts: by kind of event, in the order of their codes; certificate: (doubts, time of the first [s],
-    grazing margin [m], inf where there is none, its time [s]); work: (steps, evaluations); first_violation:
-    time [s] or NaN.
+    certificate: (doubts, time of the first [s], grazing margin [m], inf where there is none, its time [s])
     """
+    counts = tally["counts"]
     by_kind = dict(zip(EVENT_KINDS, counts, strict=True))
     uncertified, first_doubt, margin, margin_time = certificate
     return {
@@ -138,14 +132,14 @@ def totals_of(
         "sticks": by_kind["stick_begin"],
         "reversals": by_kind["reversal"],
         "events": sum(counts) - by_kind["start"] - by_kind["end"],
-        "steps": int(work[0]),
-        "evaluations": int(work[1]),
+        "steps": int(tally["steps"]),
+        "evaluations": int(tally["evaluations"]),
         "uncertified": int(uncertified),
         "first_uncertified_time": first_doubt if uncertified else nan,
         "grazing_margin": margin if margin != inf else nan,
         "grazing_time": margin_time if margin != inf else nan,
         "violations": by_kind["violation_begin"],
-        "first_violation_time": first_violation,
+        "first_violation_time": float(tally["first_violation"]) if tally["violated_once"] else nan,
     }
 
 

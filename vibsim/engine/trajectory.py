@@ -8,7 +8,6 @@ trajectory.totals
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -182,15 +181,10 @@ class Trajectory:
     @property
     def totals(self) -> dict[str, Any]:
         """Counts and margins so far, and the ledgers and exponents where they are kept, as doubles."""
-        run, tally, rounded = self.run, self.run.tally, self.run.kit.rounded
-        uncertified, *certificate = tally["certificate"]
-        first_doubt, margin, margin_time = rounded(certificate)
-        totals = totals_of(
-            tally["counts"],
-            (uncertified, first_doubt, margin, margin_time),
-            (tally["steps"], tally["evaluations"]),
-            float(tally["first_violation"]) if tally["violated_once"] else nan,
-        )
+        run, tally, rounded = self.run, self.run.run.tally(), self.run.kit.rounded
+        uncertified, *margins = tally["certificate"]
+        certificate = uncertified, *rounded(margins)
+        totals = totals_of(tally, certificate)
         if run.integrals:
             now = run.left_at or State(*tally["state"]), run.statuses[tally["mode"]]
             entries, where = tally["entries"], (run.first, now)
@@ -203,7 +197,7 @@ class Trajectory:
         if run.moving:
             from vibsim.engine.tangent.tangencies import tangent_totals
 
-            totals |= tangent_totals(self.scene, run.kit, run.disturbances, margin, margin_time)
+            totals |= tangent_totals(self.scene, run.kit, run.disturbances, *certificate[2:])
         return totals
 
     def state_at(self, times: Iterable[float]) -> dict[str, np.ndarray]:

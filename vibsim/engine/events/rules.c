@@ -234,7 +234,7 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
     for (i = 0; i < m->constant_count; i++)
         total += fabs(m->constants[i]);
     if (m->formula_count > 0)
-        tape_values_at(r, m, X, V, NULL);
+        tape_values_at(r, m, &r->next, X, V, NULL);
     for (i = 0; i < m->formula_count; i++)
         total += fabs(r->taylor.tapes.values[m->tape.outputs[m->formulas[i].output]]);
     for (i = 0; i < r->bodies; i++)
@@ -331,7 +331,7 @@ static int sides_last(Run *r, const Mode *m, int key)
         X = f->table[base_column(r)];
         V = f->table[f->rates + base_column(r)];
     }
-    tape_values_at(r, m, X, V, f->table + f->stride + f->rates);
+    tape_values_at(r, m, &r->next, X, V, f->table + f->stride + f->rates);
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
         const Term *term = &m->terms[e->first];

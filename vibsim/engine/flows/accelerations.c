@@ -63,20 +63,11 @@ Real base_acceleration_at(const Run *r, const Mode *m, Real t)
 /* Add the forces by formulas. */
 static void add_formulas(const Run *r, const Mode *m, const State *state, Real X, Real V, Real *F)
 {
-    const TapeRoom *room = &r->taylor.tapes;
-    TapeInputs at = room->at;
     int i;
-    for (i = 0; i < r->columns; i++) {
-        at.x[i] = column_value(r, state->x, i, X);
-        at.v[i] = column_value(r, state->v, i, V);
-    }
-    at.t = state->t;
-    at.phi = unwind(state->phase, state->turns);
-    at.w = state->w;
-    tape_evaluate(&m->tape, &at, &at, room->values, room->bounds); /* bounds are of no use here */
+    tape_values_at(r, m, state, X, V, NULL);
     for (i = 0; i < m->formula_count; i++) {
         const FormulaForce *one = &m->formulas[i];
-        Real value = one->sign * room->values[m->tape.outputs[one->output]];
+        Real value = one->sign * r->taylor.tapes.values[m->tape.outputs[one->output]];
         F[one->to_P] = F[one->to_P] + value;
         if (one->to_Q >= 0)
             F[one->to_Q] = F[one->to_Q] - value;

@@ -362,7 +362,7 @@ class TapeValues(Generic[N]):
         if op.code in (ADD, SUB):
             return lost + bounds[op.b] + eps * value
         if op.code == SCALE:
-            return self._size(op) * lost + 2 * eps * value
+            return abs(op.value) * lost + 2 * eps * value
         if op.code == SQUARE:
             return (2 * a + lost) * lost + eps * value
         if op.code == MUL:
@@ -371,11 +371,6 @@ class TapeValues(Generic[N]):
             b = abs(values[op.b])
             return quotient(self.kit, lost + value * bounds[op.b], b) + eps * value
         return self._slope(op, a, value) * lost + ULPS * eps * value
-
-    @staticmethod
-    def _size(op: Op) -> N:
-        size: N = abs(op.value)
-        return size
 
     def _slope(self, op: Op, a: N, value: N) -> N:
         """The size of the derivative of a function where its argument has the size a, or a bound of it."""

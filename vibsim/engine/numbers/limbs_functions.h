@@ -5,7 +5,7 @@
 #include "functions.h"
 #include "limbs.h"
 
-/* SPARE_BITS: that the words in use have beyond the unit round-off of a run, at least, as in number_forms.py; MOST_BITS of these. */
+/* SPARE_BITS: that the words in use have beyond the unit round-off of a run, at least, as in physics/precision.py; MOST_BITS of these. */
 #ifdef WORDS_BY_RUN
 enum { SPARE_BITS = 20, MOST_BITS = 64 * (LIMBS - 1) - SPARE_BITS }; /* constants are computed with one word more */
 #else

@@ -19,7 +19,7 @@
 #ifdef WORDS_BY_RUN /* up to 1000 digits, 3342 bits; loops go over what the run in hand needs */
 #define MAX_ORDER most_order
 #define SERIES_TERMS series_terms
-#elif LIMBS == 2 /* up to 32 digits, 107 bits; see `digits_in_c` in vibsim/engine/number_forms.py */
+#elif LIMBS == 2 /* up to 32 digits, 107 bits; see `digits_in_c` in vibsim/physics/precision.py */
 enum { MAX_ORDER = 40, SERIES_TERMS = 42 };
 #elif LIMBS == 3 /* up to 51 digits, 170 bits */
 enum { MAX_ORDER = 62, SERIES_TERMS = 56 };

@@ -53,11 +53,6 @@ class _Shared:
 
         return CarryingRun(self.first, self.form)
 
-    @once
-    def table(self) -> ModeTable:
-        """Of the modes of the first scene, as the run knows them."""
-        return self.run.table
-
 
 class Carrier:
     """Carries states of one scene over any times, with disturbances. What the C engine knows of the scene's
@@ -147,7 +142,7 @@ class Carrier:
 
     @once
     def _table(self) -> ModeTable:
-        return self._shared.table.retuned(self.scene, self._numbers)
+        return self._shared.run.origin.retuned(self.scene, self._numbers)
 
     def of(self, scene: Scene) -> Carrier | None:
         """A carrier of another scene on the same run of the C engine, by turns; None where the modes of the

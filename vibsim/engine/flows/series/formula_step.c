@@ -37,12 +37,11 @@ void tape_values(const Run *r, Real tau)
     evaluate_from(r, tau != 0 || r->has_motor ? f->values : f->table, tau, f->tapes.values, f->tapes.bounds);
 }
 
-/* The same of mode m at r->next; X, V: displacement and velocity of the base there. rates: of all velocities, in the order of
+/* The same of mode m at a state; X, V: displacement and velocity of the base there. rates: of all velocities, in the order of
  * the table, for what the rounding of the time leaves open of them; NULL where bounds are not asked for.
  */
-void tape_values_at(const Run *r, const Mode *m, Real X, Real V, const Real *rates)
+void tape_values_at(const Run *r, const Mode *m, const State *state, Real X, Real V, const Real *rates)
 {
-    const State *state = &r->next;
     const TapeRoom *room = &r->taylor.tapes;
     TapeInputs at = room->at, blur = room->blur;
     const Real lost = STATE_ROUNDING * EPS, late = lost * fabs(state->t);

@@ -122,20 +122,10 @@ static void prepare(Run *r, Real t, Real end, Real tau)
 {
     r->tangent->taylor.tau = tau;
     r->tangent->taylor.undefined = 0;
-    if (r->mode->formula_slopes.known && t < end) {
+    if (r->mode->formula_slopes.known && t < end)
         prepare_at_zero(r, t, end);
-        return;
-    }
-    if (r->mode->shape == FORMULAS || r->mode->formula_slopes.known) {
+    else if (r->has_motor || r->mode->shape == FORMULAS || r->mode->formula_slopes.known)
         taylor_prepare(r, t);
-        return;
-    }
-    if (!r->has_motor)
-        return;
-    if (t != r->t0)
-        prepare_at(r, t);
-    else
-        prepare_here(r);
 }
 
 /* Series of the components: displacements of the bodies, phi, 0; then their rates; then the acceleration of the motor's group.
