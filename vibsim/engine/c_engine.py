@@ -389,7 +389,7 @@ class CRun:
 
     def _failure(self, status: int) -> EngineError:
         """Why C cannot go on from its state."""
-        tally = self.run.tally()
+        tally = self.tally
         rows, state = self.rows_of(tally["mode"]), State(*tally["state"])
         if status != SINGULAR or not rows.tape:
             return EngineError(REASONS[status], state)
@@ -429,7 +429,7 @@ class CRun:
 
     def _filled(self, rows: Sequence[np.ndarray]) -> Filled:
         """A block of these rows, with the times that the run has come to."""
-        tally = self.run.tally()
+        tally = self.tally
         states, modes, happened, codes, crossings = rows
         return states, modes, happened, codes, crossings, (tally["state"][0], tally["worked_to"])
 
@@ -457,7 +457,7 @@ class CRun:
                 moving = (value for pair in zip(end.x, end.v, strict=True) for value in pair)
                 row = self.form.packed([end.t, *moving, self.kit.unwind(end.phase, end.turns), end.w])
                 states[:, made:] = np.frombuffer(row, dtype=states.dtype)[:, None]
-                codes[:, made:] = np.array(self.statuses[self.run.tally()["mode"]].codes)[:, None]
+                codes[:, made:] = np.array(self.statuses[self.tally["mode"]].codes)[:, None]
                 break
         return states, codes
 
@@ -526,3 +526,7 @@ class CRun:
         entries = self.run.disturbances()
         near = *entries["near"], max(entries["fastest"], default=0)
         return entries | {"lost": [bool(one) for one in entries["lost"]], "near": near}
+
+    @property
+    def tally(self) -> dict[str, Any]:
+        return self.run.tally()

@@ -601,7 +601,7 @@ int order_is_open(const Run *r, const Event *one, const Event *other);
 int rule_take(Run *r, Buffers *b);
 void review_zeros(Run *r, const Mode *left); /* of the mode of now, behind `left`: those of events before the last at the same instant */
 Real derivative_at_next(Run *r, const Mode *m, int key, int order);
-Real forces_of(const Run *r, const Mode *m, Real X, Real V);
+Real forces_of(const Run *r, const Mode *m, const State *state, Real X, Real V);
 
 /* ledger.c; gather returns 0 when the work of one call is spent before the stretch is done */
 void ledger_open(Run *r);

@@ -72,6 +72,26 @@ PyObject *Run_bounds(RunObject *self, PyObject *args)
     return list_of(bounds, count + 1, 1);
 }
 
+/* Whether a motion was looked at; else an error is set. */
+static int has_looked(RunObject *self)
+{
+    if (run_is_idle(self) && !self->looked)
+        PyErr_SetString(PyExc_ValueError, "nothing was looked at");
+    return !PyErr_Occurred();
+}
+
+PyObject *Run_forces(RunObject *self, PyObject *none)
+{
+    const Run *r = &self->run;
+    Real X = 0.0, V = 0.0;
+    (void)none;
+    if (!has_looked(self))
+        return NULL;
+    if (r->has_base)
+        base_motion_at(r, r->mode, r->scratch.t, &X, &V);
+    return number_object(forces_of(r, r->mode, &r->scratch, X, V));
+}
+
 PyObject *Run_formulas(RunObject *self, PyObject *none)
 {
     const Run *r = &self->run;
@@ -79,11 +99,8 @@ PyObject *Run_formulas(RunObject *self, PyObject *none)
     PyObject *list;
     int k;
     (void)none;
-    if (!run_is_idle(self) || !self->looked) {
-        if (!PyErr_Occurred())
-            PyErr_SetString(PyExc_ValueError, "nothing was looked at");
+    if (!has_looked(self))
         return NULL;
-    }
     tape = &r->mode->tape;
     list = PyList_New(tape->output_count);
     for (k = 0; list && k < tape->output_count; k++)

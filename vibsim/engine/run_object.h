@@ -111,6 +111,7 @@ int read_state(const Run *r, const Py_buffer *view, State *s);
       "derivatives(event, count) -> those of order 0 to `count` of an event function where the motion was looked at") \
     M(bounds, METH_VARARGS, \
       "bounds(event, count, exact, summed, span) -> of the rounding of derivatives, see `taylor_bounds` in engine.h") \
+    M(forces, METH_NOARGS, "forces() -> sum of the magnitudes of all forces there") \
     M(formulas, METH_NOARGS, "formulas() -> values of the outputs of the mode's tape there") \
     M(tally, METH_NOARGS, "tally() -> dict of state, counts and margins")
 

@@ -215,15 +215,17 @@ static int direct_hold(const Run *r, const Mode *m, const Event *e, Real X, Real
     return 1;
 }
 
-/* Sum of the magnitudes of all forces of mode m at r->next (see settling.py); X, V: of the base. */
-Real forces_of(const Run *r, const Mode *m, Real X, Real V)
+/* Sum of the magnitudes of all forces of mode m at a state, of couplings by what each of their ends has, of a motor also of its torque at
+ * the radius of its unbalance: what the rounding of any force is below some hundred EPS of. X, V: of the base.
+ */
+Real forces_of(const Run *r, const Mode *m, const State *state, Real X, Real V)
 {
     Real total = 0.0, inertia = 0.0;
     int i, j;
     for (i = 0; i < m->coupling_count; i++) {
         const Coupling *c = &m->couplings[i];
-        Real places = fabs(column_value(r, r->next.x, c->P, X)) + fabs(column_value(r, r->next.x, c->Q, X));
-        Real speeds = fabs(column_value(r, r->next.v, c->P, V)) + fabs(column_value(r, r->next.v, c->Q, V));
+        Real places = fabs(column_value(r, state->x, c->P, X)) + fabs(column_value(r, state->x, c->Q, X));
+        Real speeds = fabs(column_value(r, state->v, c->P, V)) + fabs(column_value(r, state->v, c->Q, V));
         total += c->k * places + fabs(c->offset) + c->c * speeds;
     }
     for (i = 0; i < r->force_count; i++) {
@@ -234,7 +236,7 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
     for (i = 0; i < m->constant_count; i++)
         total += fabs(m->constants[i]);
     if (m->formula_count > 0)
-        tape_values_at(r, m, &r->next, X, V, NULL);
+        tape_values_at(r, m, state, X, V, NULL);
     for (i = 0; i < m->formula_count; i++)
         total += fabs(r->taylor.tapes.values[m->tape.outputs[m->formulas[i].output]]);
     for (i = 0; i < r->bodies; i++)
@@ -242,9 +244,9 @@ Real forces_of(const Run *r, const Mode *m, Real X, Real V)
     for (i = 0; i < r->base_count; i++)
         total += inertia * fabs(r->base[i].amplitude * r->base[i].omega * r->base[i].omega);
     if (m->base_values.op_count > 0)
-        total += inertia * fabs(base_acceleration_at(r, m, r->next.t));
+        total += inertia * fabs(base_acceleration_at(r, m, state->t));
     if (r->has_motor)
-        total += r->unbalance * (r->next.w * r->next.w) + (fabs(r->M0) + r->drag * fabs(r->next.w)) / r->e;
+        total += r->unbalance * (state->w * state->w) + (fabs(r->M0) + r->drag * fabs(state->w)) / r->e;
     return total;
 }
 
@@ -260,7 +262,7 @@ static int stands(Run *r, const Mode *m, int hold, int *other)
         return 0;
     if (r->has_base)
         base_motion_at(r, r->mode, r->next.t, &X, &V);
-    forces = forces_of(r, m, X, V);
+    forces = forces_of(r, m, &r->next, X, V);
     for (i = 0; i < m->event_count; i++) {
         Real value;
         if (m->events[i].kind != HOLD)
@@ -306,7 +308,7 @@ static int departs(Run *r, const Mode *m, int key)
     for (c = 0; c < r->bodies; c++)
         lightest = r->masses[c] < lightest ? r->masses[c] : lightest;
     acceleration = e->kind == STRIKE ? 2 * flow_derivative(r, m, e, 2) : flow_derivative(r, m, e, 1);
-    return acceleration > NEAR_LIMIT * forces_of(r, m, X, V) / lightest;
+    return acceleration > NEAR_LIMIT * forces_of(r, m, &r->next, X, V) / lightest;
 }
 
 /* The same of what alone was let go: where nothing is tied in m then Python does not look either. */

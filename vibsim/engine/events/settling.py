@@ -16,7 +16,7 @@ from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import HOLD, SLIDE, STRIKE, Event, ModeRows
 from vibsim.engine.modes.status import BACKWARD, FORWARD, STICK, Status
 from vibsim.physics.numbers import N, abs, total_of
-from vibsim.physics.parts import Motor, RigidStop, Scene
+from vibsim.physics.parts import RigidStop, Scene
 
 # of all forces of a mode: nearer to its limit than that the force of a tie is measured closely
 NEAR = 2.0**-40
@@ -224,7 +224,7 @@ class StickSlipResolution(Generic[N]):
         """The HOLD event furthest below zero behind the instant, or None."""
         worst: Event[N] | None = None
         depth: N | None = None
-        forces = self._forces(state, rows)
+        forces = self.departures.expansion.forces()
         for event in rows.events:
             if event.kind == HOLD:
                 values = self.departures.hold_values(state, rows, event)
@@ -237,35 +237,6 @@ class StickSlipResolution(Generic[N]):
                         continue  # a load by a formula comes back from nothing: it would slip for no time
                     worst, depth = event, values[0]
         return worst
-
-    def _forces(self, state: State[N], rows: ModeRows[N]) -> N:
-        """Sum of the magnitudes of all forces in the mode entered last [N], of couplings by what each of
-        their ends has: what the rounding of any force is below some hundred eps of.
-        """
-        scene, zero = self.scene, self.kit.number(0)
-        x, v = (self.relative.columns_of(state, of) for of in ("x", "v"))
-        total = inertia = zero
-        for one in rows.couplings:
-            places = abs(x[one.P]) + abs(x[one.Q])
-            total = total + one.k * places + abs(one.offset)
-            total = total + one.c * (abs(v[one.P]) + abs(v[one.Q]))
-        for force in scene.forces:
-            total = total + abs(force.constant)
-        for term in (term for force in scene.forces for term in force.terms):
-            total = total + abs(term.amplitude)
-        for _, value in rows.constants:
-            total = total + abs(value)
-        if rows.tape:
-            values = self.departures.expansion.formulas()
-            for law in rows.formulas:
-                total = total + abs(values[law.output])
-        for body in scene.bodies:
-            inertia = inertia + body.m
-        for term in scene.base:
-            total = total + inertia * abs(term.amplitude * term.omega * term.omega)
-        if scene.base_formula is not None:
-            total = total + inertia * abs(base_acceleration(scene, self.kit, state.t))
-        return total if scene.motor is None else total + motor_forces(scene.motor, state.w)
 
     def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
         """Whether the ties that let go do so in the direction of their status, and stops part."""
@@ -334,9 +305,3 @@ def combinations_of(standing: Sequence[int], frictions: int) -> Iterator[dict[in
         for chosen in combinations(standing, count):
             for senses in product(*((FORWARD, BACKWARD) if k < frictions else (FORWARD,) for k in chosen)):
                 yield dict.fromkeys(standing, STICK) | dict(zip(chosen, senses, strict=True))
-
-
-def motor_forces(motor: Motor[N], speed: N) -> N:
-    """Size of the forces of a motor [N]: of its unbalance, and of its torque at the radius of that."""
-    w = abs(speed)
-    return motor.unbalance * (w * w) + (abs(motor.M0) + motor.drag * w) / motor.e

@@ -117,6 +117,11 @@ class Expansion(Generic[N]):
         summed = has_rounded_constant(self._place[0], event)
         return self._that_has(count).run.bounds(self._event(event), count, exact, summed, span)
 
+    def forces(self) -> N:
+        """Sum of the magnitudes of all forces in the mode [N]."""
+        forces: N = self.run.forces()
+        return forces
+
     def formulas(self) -> list[N]:
         """Values of the outputs of the tape of the mode."""
         return self.run.formulas()

@@ -362,7 +362,8 @@ class TapeValues(Generic[N]):
         if op.code in (ADD, SUB):
             return lost + bounds[op.b] + eps * value
         if op.code == SCALE:
-            return abs(op.value) * lost + 2 * eps * value
+            factor: N = abs(op.value)
+            return factor * lost + 2 * eps * value
         if op.code == SQUARE:
             return (2 * a + lost) * lost + eps * value
         if op.code == MUL:

@@ -258,7 +258,7 @@ static Real beyond_rounding(const Run *r, const Impact *done)
     int i;
     for (i = 0; i < r->bodies; i++)
         lightest = fmin(lightest, r->masses[i]);
-    return CANCELLED * EPS * (forces_of(r, r->modes[done->target], done->X, done->V) / lightest) * r->next.t;
+    return CANCELLED * EPS * (forces_of(r, r->modes[done->target], &r->next, done->X, done->V) / lightest) * r->next.t;
 }
 
 /* Whether the next impact on the stop comes late enough not to be the end of an infinite sequence. */
