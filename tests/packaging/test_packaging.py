@@ -89,8 +89,8 @@ def test_every_folder_with_modules_is_a_package():
 def test_the_engine_declares_that_it_needs_no_gil():
     source = (ROOT / "vibsim" / "engine" / "module.c").read_text(encoding="utf-8")
     assert "PyUnstable_Module_SetGIL(made, Py_MOD_GIL_NOT_USED)" in source
-    methods = re.findall(r"\(PyCFunction\)(\w+)", source)
-    assert methods and all(name.endswith("_alone") for name in methods)  # each call holds its Run
+    methods = re.findall(r"\(PyCFunction\)([\w#]+)", source)
+    assert methods and all(name.endswith("##_alone") for name in methods)  # each call holds its Run
 
 
 def test_words_of_one_compiler_stand_where_others_have_theirs():
