@@ -26,7 +26,7 @@ FORMULAS = scene_of("""
 parameters: {F: 1 N, L: 1 m, v0: 1 m/s, T: 1 s}
 bodies: {a: 1 kg}
 links: {spring: {between: [a, base], force: "F*(20*d/L + tanh(d/L) + sin(3*d/L))"}}
-forces: {f: {on: a, force: "F*atan(x_a/L)"}}
+forces: {f: {on: a, force: "F*atan(x_a/L) + F*step(x_a/L - 0.1)"}}
 states: {z: {rate: "0*z/T", start: 0 m}}
 rotors: {r: {on: a, m: 0.1 kg, e: 1 m, J: 0.9 kg m^2}}
 base: {x: "q*sin(t/T)", q: 1 cm}
@@ -38,7 +38,8 @@ SCENES = pytest.mark.parametrize("of", (PAPER, DRILL, FORMULAS), ids=("II-B", "d
 def packed(of):
     """(scene, first mode, run) as they go into C."""
     run = CRun(of)
-    return pack_scene(of, pitches(of)), packed_mode(run.rows_of(0), dict(run.keys)).packed, run
+    scene_bytes = pack_scene(of, pitches(of), switches=len(run.switches))
+    return scene_bytes, packed_mode(run.rows_of(0), dict(run.keys)).packed, run
 
 
 def opened(scene_bytes, mode_bytes):

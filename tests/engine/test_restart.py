@@ -36,18 +36,13 @@ def rows_at_each_instant(events):
 
 
 def assert_restarts(scene):
-    """The run goes on from the rows of each instant, but where they do not tell the sides of switches."""
+    """The run goes on from the rows of each instant."""
     whole = outcome(scene)
     if not isinstance(whole, Run):
         return
-    for i, rows in enumerate(rows_at_each_instant(whole.events)):
-        t = rows[-1]["t"]
-        if t == whole.events["t"][-1] or i == 0:
-            continue
-        last = int(np.flatnonzero(whole.events["t"] == t)[-1])
-        rows = rows_to_resume(scene, whole.events, last)
-        if rows is None or rows[-1]["t"] != t:
-            continue
+    for t in sorted(set(whole.events["t"].tolist()))[1:-1]:
+        rows = rows_to_resume(scene, whole.events, int(np.flatnonzero(whole.events["t"] == t)[-1]))
+        assert rows is not None and rows[-1]["t"] == t
         rest = run(scene, resume=rows)
         after, later = whole.samples["time"] >= t, whole.events["t"] > t
         for name, values in rest.samples.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic
 
@@ -47,12 +47,15 @@ class Block:
 
 
 class ColumnMaker(Generic[N]):
-    """Makes columns by name of the rows of numbers that the engine fills."""
+    """Makes columns by name of the rows of numbers that the engine fills.
 
-    def __init__(self, scene: Scene[N]) -> None:
-        self.names, self.event_names = sample_columns(scene), event_columns(scene)
+    switches : names of the columns of events that tell the sides of switches
+    """
+
+    def __init__(self, scene: Scene[N], switches: Sequence[str] = ()) -> None:
+        self.names, self.event_names = sample_columns(scene), (*event_columns(scene), *switches)
         self.timed_states, self.parts = ("time", *stored_columns(scene)), part_columns(scene)
-        self.states_happened = stored_at_events(scene)
+        self.states_happened = (*stored_at_events(scene), *switches)
         self.first_part = part_offsets(scene)
         self.width = 3 + 2 * len(scene.bodies)  # of a state
 
@@ -65,8 +68,8 @@ class ColumnMaker(Generic[N]):
         section: np.ndarray,
         reached: tuple[float, float],
     ) -> Block:
-        """A block from rows: (time, states), part states; (t, states, phase, velocities before), (kind, part,
-        part states); (time, states); (time reached, time worked out to).
+        """A block from rows: (time, states), part states; (t, states, phase, velocities before, sides
+        of switches), (kind, part, part states); (time, states); (time reached, time worked out to).
         """
         sampled = by_name(self.timed_states, samples) | dict(zip(self.parts, sample_codes, strict=True))
         happened = by_name(self.states_happened, events)

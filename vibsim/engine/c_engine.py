@@ -24,7 +24,7 @@ from vibsim.engine.flows.expansion import Expansion
 from vibsim.engine.ledger import struck_entries
 from vibsim.engine.ledger_integrals import pack_extremes, pack_impacts, pack_ledger
 from vibsim.engine.modes.mode_table import ModeTable, bytes_of, mode_table
-from vibsim.engine.modes.packing import pack_scene, pack_state
+from vibsim.engine.modes.packing import Packed, pack_scene, pack_state
 from vibsim.engine.modes.parametric_rows import differences
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import DOMAIN, HOLD, SLIDE, Known, ModeRows
@@ -108,7 +108,9 @@ class CRun:
             self.table = self.origin = ModeTable(scene, form)
         self.keys = self.table.keys
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        ints, self._doubles = pack_scene(scene, pitches(scene), form)
+        formulas = self.maker.formulas if scene.has_formulas else None
+        self.switches = formulas.event_columns if formulas else ()  # names of columns of events
+        ints, self._doubles = self._packed_scene(scene)
         self.run = form.run(ints, self._doubles)
         self.stopped = threading.Event()
         self.advanced: _engine.Progress | None = None  # what the next call of C came to, if made
@@ -164,13 +166,16 @@ class CRun:
         self._begin(*self._begun(start_of(scene, self.kit)))
         return True
 
+    def _packed_scene(self, scene: Scene) -> Packed:
+        return pack_scene(scene, pitches(scene), self.form, switches=len(self.switches))
+
     def _takes_over(self, scene: Scene) -> bool:
         """Take over the numbers of a scene. Whether that was possible: its modes have the same form, and
         what C takes at the beginning alone is the same.
         """
         if self.integrals or any(body.kind == ROTOR for body in scene.bodies):
             return False
-        ints, doubles = pack_scene(scene, pitches(scene), self.form)
+        ints, doubles = self._packed_scene(scene)
         extremes = self._measured and pack_extremes(scene, *self._measured)
         numbers = differences(self.origin.scene, scene) if self._packed_once == (ints, extremes) else None
         if numbers is None:
@@ -307,7 +312,7 @@ class CRun:
         self.arrays = (
             self.form.empty(3 + 2 * n, self.sample_room),
             np.empty((parts, self.sample_room), dtype="i1"),
-            self.form.empty(5 + 3 * n, self.event_room),
+            self.form.empty(5 + 3 * n + len(self.switches), self.event_room),
             np.empty((2 + parts, self.event_room), dtype="i1"),
             self.form.empty(3 + 2 * n + extremes, self.section_room),
         )

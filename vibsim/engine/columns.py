@@ -54,7 +54,7 @@ def stored_columns(scene: Scene[N]) -> tuple[str | None, ...]:
 
 def stored_at_events(scene: Scene[N]) -> tuple[str | None, ...]:
     """Names of the rows of an event: its time, states, the angle of a motor in its turn, velocities before
-    it.
+    it. Those of switches follow.
     """
     moving = stored_columns(scene) if scene.motor is not None else (*stored_columns(scene), None, None)
     return ("t", *moving, "phase", *stored_before(scene))
@@ -88,11 +88,10 @@ def before_columns(scene: Scene[N]) -> tuple[str, ...]:
 
 
 def stored_before(scene: Scene[N]) -> tuple[str | None, ...]:
-    """Names of the rows of velocities in front of an event that the engine stores."""
-    if not scene.rigid_stops:
-        return ()
-    velocities = [None if body.kind == STATE else f"before_{body.columns[1]}" for body in scene.bodies]
-    return (*velocities, *([f"before_{SPEED}"] * scene.has_motor))
+    """Names of the rows of velocities in front of an event that the engine stores, of bodies and a motor."""
+    velocities = [None if body.kind == STATE else body.columns[1] for body in scene.bodies]
+    speeds = (*velocities, SPEED if scene.has_motor else None)
+    return tuple(f"before_{name}" if name and scene.rigid_stops else None for name in speeds)
 
 
 def part_columns(scene: Scene[N]) -> tuple[str, ...]:
@@ -108,8 +107,8 @@ def sample_columns(scene: Scene[N]) -> tuple[str, ...]:
 
 
 def event_columns(scene: Scene[N]) -> tuple[str, ...]:
-    """Names of the event columns, in file order; `part` is the index of the part among those of
-    `vibsim.physics.connections.event_parts`, or -1.
+    """Names of the event columns, in file order, but for those of switches, which follow (`FormulaRows`);
+    `part` is the index of the part among those of `vibsim.physics.connections.event_parts`, or -1.
     """
     phase = ("phase",) if scene.motor is not None else ()
     states = (*state_columns(scene), *phase, *before_columns(scene))

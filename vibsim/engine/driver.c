@@ -181,6 +181,7 @@ void run_start(Run *r, int mode, Buffers *b)
         note_violation(r, b);
     tangent_open(r);
     review_zeros(r, NULL);
+    record_zeros(r, b, 0);
     enter(r); /* though it may be finished: a state is read there */
 }
 
@@ -214,6 +215,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     const Mode *left = r->mode;
     const int *before = left->codes;
     const int again = r->next.t == r->known_since;
+    const long first = b->event_count;
     int i, k;
     tangent_cross(r, r->pending_event, left, r->modes[mode]);
     if (again || (happened == 0 && r->next.t - r->known_since <= AS_SOON * EPS * r->next.t)) {
@@ -242,6 +244,7 @@ void run_take(Run *r, Buffers *b, int mode, int happened, const int *kinds, cons
     }
     if (again && !r->finished)
         review_zeros(r, left);
+    record_zeros(r, b, first);
     if (!r->finished)
         enter(r);
     if (!r->finished && r->status == OK && r->pending_end >= r->t_end)

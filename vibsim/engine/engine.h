@@ -180,9 +180,9 @@ typedef struct {
     Event *events;
     Term *terms;
     Slope *slopes;
-    Real *mobility, *group_mass, *drift, *constants, *slope_constants, carried;
+    Real *mobility, *group_mass, *drift, *sides, *constants, *slope_constants, carried; /* sides: of all switches, 0 of one that is not read */
     int *leader, *constant_columns, *codes, *tied; /* tied: bodies under forces that are tied to another column */
-    int tied_count, coupling_count, event_count, term_count, constant_count, untied, shape;
+    int tied_count, coupling_count, event_count, term_count, constant_count, side_count, untied, shape;
     Coupling small;            /* the one coupling of a small scene; zero without one */
     Real small_constants[2]; /* forces of slipping frictions by column */
     LedgerIntegrals integrals;
@@ -394,7 +394,7 @@ typedef struct {
 
 /* A run: everything between two calls. */
 typedef struct Run {
-    int bodies, columns, parts, clearances, harmonic_count, key_count, mode_count, force_count, base_count;
+    int bodies, columns, parts, clearances, switches, harmonic_count, key_count, mode_count, force_count, base_count;
     int slope_ops, slope_entries; /* most of a mode's derivatives of formulas */
     int tapes_read;
     int has_motor, motor_on, rest_columns, force_taylor, stop_on_violation, closed; /* closed: the flow in use */
@@ -562,7 +562,7 @@ Real closed_form_advance(Run *r, Real limit, int *event);
 typedef struct {
     Real *samples;           /* rows of sample_room: time, x, v of each body, phi, w */
     signed char *sample_modes; /* rows of sample_room: one per part */
-    Real *events;            /* rows of event_room: t, x, v of each body, phi, w, phase; v, w in front of it */
+    Real *events;            /* rows of event_room: t, x, v of each body, phi, w, phase; v, w in front of it; sides of switches */
     signed char *event_codes;  /* rows of event_room: kind, part, one per part */
     Real *section;           /* rows of section_room, as samples, then extremes; none where section_room is 0 */
     long sample_room, event_room, section_room, sample_count, event_count, section_count;
@@ -573,6 +573,7 @@ void record_begin(Run *r);
 void write_state(const Run *r, Real *row, long room, const State *s);
 void write_codes(const Run *r, signed char *row, long room, int count);
 void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w);
+void record_zeros(const Run *r, Buffers *b, long first);
 int record_samples(Run *r, Buffers *b);
 
 /* driver.c */

@@ -100,6 +100,7 @@ static void Run_dealloc(RunObject *self)
 static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
 {
     Py_ssize_t state = 3 + 2 * r->bodies, row = (Py_ssize_t)sizeof(Real), section = state + 2 * r->extremes.pairs;
+    Py_ssize_t event = state + 2 + r->bodies + r->switches;
     memset(b, 0, sizeof *b);
     b->samples = (Real *)views[0].buf;
     b->sample_modes = (signed char *)views[1].buf;
@@ -107,10 +108,10 @@ static int buffers_of(const Run *r, Py_buffer *views, Buffers *b)
     b->event_codes = (signed char *)views[3].buf;
     b->section = (Real *)views[4].buf;
     b->sample_room = (long)(views[0].len / (state * row));
-    b->event_room = (long)(views[2].len / ((state + 2 + r->bodies) * row));
+    b->event_room = (long)(views[2].len / (event * row));
     b->section_room = (long)(views[4].len / (section * row));
     if (b->sample_room < 1 || b->event_room < 8 + 3 * r->parts || views[0].len != b->sample_room * state * row ||
-        views[2].len != b->event_room * (state + 2 + r->bodies) * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
+        views[2].len != b->event_room * event * row || views[1].len != (Py_ssize_t)b->sample_room * r->parts ||
         views[3].len != (Py_ssize_t)b->event_room * (2 + r->parts) || views[4].len != b->section_room * section * row ||
         b->section_room == 1) {
         PyErr_SetString(PyExc_ValueError, "buffers do not fit together");

@@ -4,6 +4,8 @@
 #include "engine.h"
 #include "numbers.h"
 
+#define ZERO_UNIT 0x1p-20 /* of an order of a zero that is told beside a side, as in formula_rows.py */
+
 static Real sample_time(const Run *r, long long i)
 {
     return ((double)i * (double)r->every_num) / (double)r->every_den; /* a double in every number type */
@@ -41,11 +43,17 @@ void write_codes(const Run *r, signed char *row, long room, int count)
         memset(row + i * room, (signed char)r->mode->codes[i], (size_t)count);
 }
 
+/* The rows of an event that tell the sides of switches, in their order. */
+static Real *sides_of_event(const Run *r, const Buffers *b, long i)
+{
+    return b->events + (5 + 3 * r->bodies) * b->event_room + i;
+}
+
 /* Keep an event; v, w: velocities of the bodies and speed of the rotor in front of it. */
 void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w)
 {
     long i = b->event_count++, room = b->event_room;
-    Real *before = b->events + (4 + 2 * r->bodies) * room + i;
+    Real *before = b->events + (4 + 2 * r->bodies) * room + i, *sides = sides_of_event(r, b, i);
     int c;
     r->counts[kind] += 1;
     write_state(r, b->events + i, room, &r->state);
@@ -53,9 +61,29 @@ void record_event(Run *r, Buffers *b, int kind, int part, const Real *v, Real w)
     for (c = 0; c < r->bodies; c++)
         before[c * room] = v[c];
     before[r->bodies * room] = w;
+    for (c = 0; c < r->switches; c++)
+        sides[c * room] = c < r->mode->side_count ? r->mode->sides[c] : 0.0;
     b->event_codes[i] = (signed char)kind;
     b->event_codes[room + i] = (signed char)part;
     write_codes(r, b->event_codes + 2 * room + i, room, 1);
+}
+
+/* Add to the sides that the events from number `first` on tell the zeros at which the mode of now begins: ZERO_UNIT for each order of one
+ * at the lower end of a side, and less by as much for one at the upper end.
+ */
+void record_zeros(const Run *r, Buffers *b, long first)
+{
+    const Mode *m = r->mode;
+    int k;
+    for (; r->switches > 0 && first < b->event_count; first++) {
+        Real *sides = sides_of_event(r, b, first);
+        for (k = 0; k < m->event_count; k++) {
+            const Event *e = &m->events[k];
+            const double zero = e->kind == SWITCH && e->part < r->switches ? ZERO_UNIT * r->known[e->key] : 0.0;
+            if (zero > 0)
+                sides[e->part * b->event_room] += m->terms[e->first].coefficient > 0 ? zero : -zero;
+        }
+    }
 }
 
 /* The first sample may be where the closed form was evaluated last. */

@@ -1,22 +1,23 @@
 """Going on from a stored event row: the state, status and known zeros that the engine had there."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from math import isfinite
 
 import numpy as np
 
 from vibsim.engine.columns import flags_of_parts, part_columns, state_columns, stored_columns
-from vibsim.engine.errors import EngineError, State
-from vibsim.engine.events.departures import DerivativeSigns, released_parts, zeros_of_touch
+from vibsim.engine.errors import State
+from vibsim.engine.events.departures import released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.flows.base_motion import belt_velocity
-from vibsim.engine.flows.expansion import Expansion
-from vibsim.engine.modes.mode_table import mode_table
-from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, Known
+from vibsim.engine.modes.formula_rows import ZERO_UNIT, FormulaRows
+from vibsim.engine.modes.mode_table import mode_table, switching_formulas
+from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, SWITCH, Known
 from vibsim.engine.modes.status import LIFTED, OPEN, STICK, Status
 from vibsim.physics.connections import event_parts
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import TWO_PI, Doubles, N
 from vibsim.physics.parts import EVENT_NAMES, RIGID_KINDS, Friction, Scene, Stop
 
@@ -55,74 +56,41 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
             state, status = _state(scene, one), _status(scene, one)
             known |= _zeros(scene, one, state, status, jumps, struck, forced)
         known |= _zeros_of_parted(scene, event, state, status, 2 if jumps else 3)
-    return (
-        (state, *_with_switches(scene, state, status, known))
-        if scene.has_formulas
-        else (state, status, known)
-    )
+    formulas = switching_formulas(scene)
+    if formulas is None:
+        return state, status, known
+    status, zeros = _with_switches(formulas, rows[-1], status)
+    return state, status, known | zeros
 
 
-def _with_switches(scene: Scene, state: State, status: Status, known: Known) -> tuple[Status, Known]:
-    """The mode with the sides of the switches of its formulas, which no row holds: their values tell them,
-    and where these are zero the direction in which they leave it.
+def _with_switches(formulas: FormulaRows[float], row: Row, status: Status) -> tuple[Status, Known]:
+    """The mode with the sides of its switches as a row tells them, and the zeros that they are known to be
+    at, at the lower end of a side or at the upper one. Raises ValueError for a side that there is not.
     """
-    departures = _departures(scene, lambda *_: None)
-    if departures is None:
-        return status, known
-    assert departures.switches is not None
-    status, zeros = departures.switches.initial(state, departures, status, late=True)
-    return status, known | zeros
-
-
-def _departures(
-    scene: Scene, doubt: Callable[[float, str, Iterable[str]], None]
-) -> DerivativeSigns[float] | None:
-    """What decides the sides of the switches of a scene, and calls `doubt`; None where it has none."""
-    table = mode_table(scene)
-    if table.maker.formulas is None or not table.maker.formulas.switches:
-        return None
-    relative = RelativeMotion(scene, Doubles)
-    return DerivativeSigns(relative, table.maker, Expansion(scene, table), doubt)
+    names = formulas.event_columns
+    switches: list[int | None] = [None] * len(names)
+    sides: dict[Node, int] = {}
+    known: Known = {}
+    for node, i, sign in formulas.awake(status, sides):
+        side = round(row[names[i]])
+        if not formulas.has_side(i, side):
+            raise ValueError(f"event row: {names[i]} must be a side of that switch, got {row[names[i]]:g}")
+        switches[i], sides[node] = side, sign * side
+        order = round((row[names[i]] - side) / ZERO_UNIT)
+        if order != 0:
+            end = 0 if formulas.switches[i][0] == "choose" else side + (order < 0)
+            known[SWITCH, i, end] = abs(order)
+    return status._replace(switches=tuple(switches)), known
 
 
 def rows_to_resume(scene: Scene, events: Mapping[str, np.ndarray], i: int) -> list[Row] | None:
     """The rows of the last instant of a table of events, up to its row `i`, from which a run goes on bit for
-    bit, see `resume_point`; None for its start.
-
-    Rows do not hold the sides of switches. Where rounding leaves one open, the instant before tells it.
+    bit, see `resume_point`; None for its start, and where the table does not tell the sides of switches, as
+    that of an older file.
     """
-    while True:
-        rows = rows_of_instant(events, i)
-        if EVENT_NAMES[int(rows[0]["kind"])] == "start":
-            return None
-        if _tells_sides(scene, rows) or i < len(rows):
-            return rows
-        i -= len(rows)
-
-
-def _tells_sides(scene: Scene, rows: Sequence[Row]) -> bool:
-    """Whether the state at an instant tells the sides of all switches of formulas there: none is at its zero
-    but one that is the event itself, and that the motion leaves to one side alone.
-    """
-    doubts: list[str] = []
-    departures = _departures(scene, lambda t, reason, names: doubts.append(reason))
-    if departures is None:
-        return True
-    switches = departures.switches
-    assert switches is not None
-    state, kinds = _state(scene, rows[-1]), [EVENT_NAMES[int(row["kind"])] for row in rows]
-    try:
-        status, known = switches.initial(state, departures, _status(scene, rows[-1]), late=True)
-    except EngineError:
-        return False
-    near = switches.near(state, status)
-    if "switch" not in kinds:
-        return not near
-    if not len(rows) == len(near) == 1 or list(known.values()) != [1]:
-        return False
-    (i,) = near
-    turned = switches.rows.part_of[i] == rows[0]["part"]
-    return turned and switches.leads_away(state, departures, status, i) and not doubts
+    rows, formulas = rows_of_instant(events, i), switching_formulas(scene)
+    told = formulas is None or all(name in events for name in formulas.event_columns)
+    return rows if told and EVENT_NAMES[int(rows[0]["kind"])] != "start" else None
 
 
 def _makes_forces_jump(scene: Scene, row: Row) -> bool:

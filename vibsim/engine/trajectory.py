@@ -116,7 +116,7 @@ class Trajectory:
 
     def __init__(self, run: CRun) -> None:
         scene = run.scene
-        self.scene, self.run, self.columns = scene, run, ColumnMaker(scene)
+        self.scene, self.run, self.columns = scene, run, ColumnMaker(scene, run.switches)
 
     @property
     def advanced(self) -> bool:

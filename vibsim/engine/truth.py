@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from vibsim.engine.blocks import Block
-from vibsim.engine.columns import stored_before, stored_columns
+from vibsim.engine.columns import stored_columns
 from vibsim.engine.errors import EngineError, State
 from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.trajectory import Trajectory
@@ -64,12 +64,9 @@ class WordsTrajectory(Trajectory):
         reached: tuple[Number, Number],
     ) -> TruthBlock:
         in_doubles = self.form.doubles
-        before = 4 + 2 * len(self.scene.bodies)  # rows of events behind the state
-        happened = in_doubles(events)
-        count = before + len(stored_before(self.scene))
         to, worked_to = self.kit.rounded(reached)
         block = self.columns.block(
-            in_doubles(samples), codes, happened[:count], event_codes, in_doubles(section), (to, worked_to)
+            in_doubles(samples), codes, in_doubles(events), event_codes, in_doubles(section), (to, worked_to)
         )
         names = stored_columns(self.scene)
         at = self._texts(names, samples[1:])

@@ -17,7 +17,7 @@ import numpy as np
 from vibsim.cases.problems import counted
 from vibsim.cases.quantities import number
 from vibsim.engine.errors import EngineError, start_of
-from vibsim.engine.resume import Row, rows_of_instant
+from vibsim.engine.resume import Row, rows_to_resume
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.orbits.coordinates import Coordinates, NotConverged, OrbitError, PoincareSection
 from vibsim.orbits.return_map import Return, ReturnMap, returns, slowest_period
@@ -299,7 +299,7 @@ def course_of_result(result: Result, coordinates: Coordinates, more: int = MORE)
     events = result.events
     last = int(np.flatnonzero(events["kind"] != EVENT_KINDS["end"])[-1])
     scene = replace(result.case.scene(), t_end=result.t_reached)
-    return course_of(scene, coordinates, rows_of_instant(events, last), more)
+    return course_of(scene, coordinates, rows_to_resume(scene, events, last), more)
 
 
 def likely_periods(points: np.ndarray) -> tuple[list[int], list[float]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibsim.engine.columns import before_columns, flags_of_parts, part_columns
+from vibsim.engine.modes.mode_table import switching_formulas
 from vibsim.engine.resume import Row, rows_to_resume
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.physics.connections import event_parts, switching_parts
@@ -53,6 +54,11 @@ PHASE = {
 }
 JUDGEMENTS = {
     "error_estimate": Column("m", "estimated error of the displacements"),
+}
+SIDES = {
+    "comment": "1 where its argument is positive, -1 where it is negative; of tables and mod the number of "
+    "the piece; 0 where the mode does not read it. 2^-20 more for each order of a zero at the lower end of "
+    "the side that the motion leaves, as much less for one at the upper end"
 }
 NO_PART = "none"  # to which an event belongs: start, end
 
@@ -111,7 +117,7 @@ def tables_of(scene: Scene) -> Tables:
     in_full |= {name: _before(states[name.removeprefix("before_")]) for name in before_columns(scene)}
     return Tables(
         {"time": TIMES["time"], **states, **parts},
-        {"t": TIMES["t"], **kinds, "part": _part_of_event(scene), **in_full, **parts},
+        {"t": TIMES["t"], **kinds, "part": _part_of_event(scene), **in_full, **parts, **_sides(scene)},
         tuple(states),
         tuple(columns_of(body.name)[0] for body in scene.line),
         tuple(columns_of(body.name)[1] for body in scene.line),
@@ -201,6 +207,17 @@ def _part_states(scene: Scene) -> Iterable[Column]:
         called = word if part.name == word else f"{word} {part.name}"
         ends = f"{_called(scene.end_name(part.P))} and {_called(scene.end_name(part.Q))}"
         yield Column(None, f"state of the {called} between {ends}", dtype="i1", flags=flags)
+
+
+def _sides(scene: Scene) -> dict[str, Column]:
+    """A column of events for each switch of a formula."""
+    formulas = switching_formulas(scene)
+    if formulas is None:
+        return {}
+    return {
+        name: Column("1", f"side of a switch in the formula of {owner}", besides=SIDES)
+        for name, owner in zip(formulas.event_columns, formulas.owners, strict=True)
+    }
 
 
 def _part_of_event(scene: Scene) -> Column:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ import h5py
 import numpy as np
 
 from vibsim.engine.doubts import Doubt
+from vibsim.engine.modes.formula_rows import SIDE
 from vibsim.results.columns import TIMES, Digits, Tables, tables_of
 from vibsim.results.file_contents import (
     ENGINE,
@@ -82,6 +84,12 @@ class TrajectoryFile:
         scene = self.case.scene()
         known = ERROR_ESTIMATE in self._file or "trust_horizon_s" in self.attrs
         tables = tables_of(scene)
+        told = {
+            name: column
+            for name, column in tables.events.items()
+            if not name.startswith(SIDE) or f"events/{name}" in self._file  # not in older files
+        }
+        tables = replace(tables, events=told)
         return (tables.judged() if known else tables), scene.t_end
 
     def _digits(self, datasets: list[Dataset]) -> Digits | None:

@@ -28,7 +28,6 @@ NO_JUMP = 2.0**-30  # of its size, below which two sides of a switch give one fo
 LATE = 64  # units of the time, within which a kink of the base is where it was found to be
 MOST_STATUSES = 1000  # whose sides are kept
 MOST_TURNS = 64  # of switches that turn at one instant
-CLEARLY = 4  # times the bounds of the rounding of arguments; as in rules.c
 
 
 class SwitchSides(Generic[N]):
@@ -283,16 +282,13 @@ class SwitchSides(Generic[N]):
         return found
 
     def initial(
-        self, state: State[N], departures: DerivativeSigns[N], status: Status, late: bool = False
+        self, state: State[N], departures: DerivativeSigns[N], status: Status
     ) -> tuple[Status, Known]:
-        """The sides at a start, or at any state, in the mode `status`, and the known zeros: those that are
-        zero go where their first derivative leads.
-
-        late : whether the state is one of a motion, which is there to the rounding of the time
+        """The sides at a start in the mode `status`, and the known zeros: those that are zero go where their
+        first derivative leads.
         """
         unsure: dict[int, bool] = {}
-        before = self.completed(state, status) if late else None
-        status = self.completed(state, status, (), unsure, before, state)
+        status = self.completed(state, status, (), unsure)
         known: Known = {}
         if not unsure:
             return status, known
@@ -302,7 +298,7 @@ class SwitchSides(Generic[N]):
                 if (
                     event.kind != SWITCH
                     or event.part not in unsure
-                    or not self._is_zero(event, state, status, before)
+                    or not self._is_zero(event, state, status)
                 ):
                     continue
                 sense, order = departures.departure(state, status, event.key)
@@ -310,7 +306,7 @@ class SwitchSides(Generic[N]):
                     for i in self._reading(event.part):  # whose arguments are others now
                         unsure.pop(i, None)
                     fixed = {event.part, *unsure}
-                    status = self.completed(state, self.turned(status, event), fixed, unsure, before, state)
+                    status = self.completed(state, self.turned(status, event), fixed, unsure)
                     break
                 if sense > 0:
                     known[event.key] = order
@@ -327,35 +323,12 @@ class SwitchSides(Generic[N]):
         numbers = {node: i for node, (i, _) in self.rows.same.items()}
         return {i for node, i in numbers.items() if turned in map(numbers.get, self.rows.behind[node])}
 
-    def near(self, state: State[N], status: Status) -> set[int]:
-        """The switches of a mode whose arguments are not clearly beyond their rounding at a state of it."""
-        sides = self.rows.sides(status)
-        near: set[int] = set()
-        for node, i, _ in self.rows.awake(status, sides):
-            if not self.rows.side_by_stops(node, status):
-                value, bound, *of_step = self._guard_values(node, sides, state, status)
-                if self._side(node, [value, CLEARLY * bound, *of_step], None)[1]:
-                    near.add(i)
-        return near
-
-    def leads_away(self, state: State[N], departures: DerivativeSigns[N], status: Status, i: int) -> bool:
-        """Whether the motion leaves the zero that switch `i` is at to its side in a mode, from the other side
-        too, on which no other switch is at a zero either.
-        """
-        for event in departures.enter(state, status).events:
-            if event.kind == SWITCH and event.part == i and self._is_zero(event, state, status, status):
-                other = self.completed(state, self.turned(status, event), {i}, None, status, state)
-                alone = self.near(state, other) == {i} and departures.watches(state, other, event.key)
-                return alone and departures.departure(state, other, event.key) == (-1, 1)
-        return False
-
-    def _is_zero(self, event: Event[N], state: State[N], status: Status, before: Status | None) -> bool:
+    def _is_zero(self, event: Event[N], state: State[N], status: Status) -> bool:
         """Whether the zero of an event function is the one that a switch is at: tables and mod have two."""
         node = self.rows.switches[event.part]
         if node[0] == "choose":
             return True
-        at, blur = self.inputs(state, before)
-        values = self.rows.guard_values(node, self.rows.sides(status), at, blur)
+        values = self.rows.guard_values(node, self.rows.sides(status), *self.inputs(state))
         key = event.key[2]
         assert isinstance(key, int)
         if node[0] == "mod":

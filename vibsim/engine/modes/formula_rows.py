@@ -54,6 +54,8 @@ from vibsim.physics.parts import BASE, Scene, Stop
 MOST_SIDES = 10_000  # of switches, which are not asked for anew
 MOST_MODES = 1000  # whose sides are kept by node
 MOST_OPERATIONS = 5000  # of tapes, from which on all are forgotten
+SIDE = "side."  # begins the name of a column of events that tells the side of a switch
+ZERO_UNIT = 2.0**-20  # of an order of a zero that is told beside a side, as in recording.c
 UNKNOWN: Node = ()  # in place of a switch, where there is none more
 
 
@@ -240,6 +242,19 @@ class FormulaRows(Generic[N]):
             known = {node: sign * side for node, sign, side in made if side is not None}
             known = self._sides.keep(status.switches, known)
         return known
+
+    @cached_property
+    def event_columns(self) -> tuple[str, ...]:
+        """Names of the columns of events that tell the side of each switch: side.PART.NUMBER."""
+        numbers = (self.owners[: i + 1].count(owner) for i, owner in enumerate(self.owners))
+        return tuple(f"{SIDE}{owner}.{number}" for owner, number in zip(self.owners, numbers, strict=True))
+
+    def has_side(self, i: int, side: int) -> bool:
+        """Whether switch `i` has such a side: a choice has two, a table one more than knots, mod all."""
+        node = self.switches[i]
+        if node[0] == "table":
+            return -1 <= side < len(node[2])
+        return node[0] == "mod" or abs(side) == 1
 
     def awake(self, status: Status, sides: Mapping[Node, int]) -> Iterator[tuple[Node, int, int]]:
         """The switches that a mode reads, as nodes with what `same` says of them, those first that others

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from vibsim.engine.flows.closed.modal import harmonic_key, pitches
 from vibsim.engine.flows.closed.modal_maker import may_have_closed_form, modal_of
 from vibsim.engine.ledger_integrals import IntegralMaker, pack_integrals
+from vibsim.engine.modes.formula_rows import FormulaRows
 from vibsim.engine.modes.packing import Packed, packed_mode
 from vibsim.engine.modes.parametric_rows import Numbers, ParametricRows, Place, recipe_of, settings
 from vibsim.engine.modes.row_maker import RowMaker
@@ -207,6 +208,12 @@ def mode_table(scene: Scene, harmonic_keys: bool = True) -> ModeTable:
         if len(_tables) > SCENES:
             _tables.popitem(last=False)
     return table
+
+
+def switching_formulas(scene: Scene) -> FormulaRows[float] | None:
+    """What the formulas of a scene add to its modes; None where none of them has switches."""
+    formulas = mode_table(scene).maker.formulas if scene.has_formulas else None
+    return formulas if formulas and formulas.switches else None
 
 
 PARTS = ("links", "stops", "frictions", "base", "clearances", "base_formula", "base_is_rate", "rotors")

@@ -72,6 +72,7 @@ Mode *mode_read(Run *r, Reader *in)
     in->owner = m;
     m->coupling_count = read_index(in, 0, MOST);
     m->event_count = read_index(in, 0, MOST);
+    m->side_count = read_index(in, 0, MOST);
     m->constant_count = read_index(in, 0, MOST);
     terms = m->term_count = read_index(in, 0, MOST);
     slopes = read_index(in, 0, MOST);
@@ -85,7 +86,7 @@ Mode *mode_read(Run *r, Reader *in)
     m->events = room(in, m->event_count, sizeof(Event));
     m->terms = zalloc((size_t)terms, sizeof(Term)); /* which may grow */
     m->slopes = room(in, slopes, sizeof(Slope));
-    m->mobility = room(in, 3 * r->columns, sizeof(Real));
+    m->mobility = room(in, 3 * r->columns + m->side_count, sizeof(Real));
     m->constants = room(in, m->constant_count + slope_constants, sizeof(Real));
     m->leader = room(in, r->columns + m->constant_count + r->parts + r->bodies, sizeof(int));
     in->short_of = in->short_of || !m->terms;
@@ -93,12 +94,15 @@ Mode *mode_read(Run *r, Reader *in)
         return m;
     m->group_mass = m->mobility + r->columns;
     m->drift = m->group_mass + r->columns;
+    m->sides = m->drift + r->columns;
     m->slope_constants = m->constants + m->constant_count;
     m->constant_columns = m->leader + r->columns;
     m->codes = m->constant_columns + m->constant_count;
     m->tied = m->codes + r->parts;
     for (i = 0; i < r->parts; i++)
         m->codes[i] = read_index(in, -1, 3);
+    for (i = 0; i < m->side_count; i++)
+        m->sides[i] = read_double(in);
     for (i = 0; i < r->columns; i++) {
         m->leader[i] = read_index(in, 0, r->columns - 1);
         m->mobility[i] = read_double(in);

@@ -48,10 +48,12 @@ def pack_scene(
     harmonics: Sequence[Pitch[Any]],
     form: NumberForm[Any] = DOUBLES,
     order: int | None = None,
+    switches: int = 0,
 ) -> Packed:
     """The scene as bytes of ints and of numbers.
 
-    harmonics : distinct pitches, as `modal.pitches`; order: of Taylor series, where not that of a run
+    harmonics : distinct pitches, as `modal.pitches`; order: of Taylor series, where not that of a run;
+    switches : number of those of formulas whose sides events tell
     """
     motor = scene.motor
     parts = len(scene.stops) + len(scene.frictions) + len(scene.clearances)
@@ -60,6 +62,7 @@ def pack_scene(
         len(scene.bodies),
         parts,
         len(scene.clearances),
+        switches,
         len(harmonics),
         len(scene.forces),
         len(scene.base),
@@ -143,10 +146,12 @@ def packed_mode(
         key = keys.setdefault(event.key, len(keys))
         events.append((event, key, first, len(event.terms), first_slope, len(slopes) - first_slope))
     pairs = {pair: i for i, pair in enumerate(modal.pairs)} if modal else {}
+    sides = [float(side or 0) for side in rows.status.switches]
     pack.put(
         (
             len(rows.couplings),
             len(events),
+            len(sides),
             len(rows.constants),
             len(terms),
             len(slopes),
@@ -155,7 +160,7 @@ def packed_mode(
     )
     tape, base_tape = rows.tape, rows.base_tape
     pack.put((len(pairs), len(tape.ops) if tape else 0, len(base_tape.ops) if base_tape else 0))
-    pack.put(rows.status.codes)
+    pack.put(rows.status.codes, sides)
     ints, doubles = pack.ints, pack.doubles
     ints += rows.leader
     for mobility, mass, drift in zip(rows.mobility, rows.mass, rows.drift, strict=True):

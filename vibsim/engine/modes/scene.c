@@ -111,6 +111,7 @@ static int scene_shape(Run *r, Reader *in)
     r->columns = r->bodies + 2;
     r->parts = read_index(in, 0, MOST);
     r->clearances = read_index(in, 0, r->parts);
+    r->switches = read_index(in, 0, MOST); /* of formulas */
     r->harmonic_count = read_index(in, 0, MOST);
     r->force_count = read_index(in, 0, MOST);
     r->base_count = read_index(in, 0, MOST);
