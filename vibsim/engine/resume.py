@@ -35,9 +35,9 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     before another one at the same instant left: the run has looked at it once more behind that one. What
     moves no velocity leaves a displacement that passes zero as it was.
 
-    row: values by column name (t, kind, part, states, phase, part states), or several rows of one instant in
-    their order. The turns of the rotor are the whole ones between phi and phase. Raises ValueError for a row
-    that no run of the scene has.
+    row: values by column name (t, kind, part, states, phase, part states, sides of switches), or several rows
+    of one instant in their order. The turns of the rotor are the whole ones between phi and phase. Raises
+    ValueError for a row that no run of the scene has.
     """
     rows = [row] if isinstance(row, Mapping) else list(row)
     known: Known = {}

@@ -43,8 +43,8 @@ def open_trajectory(
     Parameters
     ----------
     scene : Scene
-    resume : one stored event row (t, kind, part, states, phase, part states by name) to go on from, all rows
-        of one instant in their order, or None
+    resume : one stored event row (t, kind, part, states, phase, part states, sides of switches by name) to go
+        on from, all rows of one instant in their order, or None
     section : whether the blocks carry the stroboscopic section, the state at the end of every period of what
         drives the scene
     ledger : whether the totals carry the energy ledger
