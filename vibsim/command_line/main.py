@@ -27,8 +27,8 @@ from vibsim.signals import Terminated, ended_by_signals, forget_alarm, heard_fro
 class Interrupted(Exception):
     """The command was interrupted and no message of it is printed yet; its text names what was not done."""
 
-    def __init__(self, text: str, by_sigterm: bool):
-        super().__init__(f"interrupted: {text}" if text else "interrupted")
+    def __init__(self, text: str, by_sigterm: bool = False):
+        super().__init__(text)
         self.by_sigterm = by_sigterm
 
 
@@ -39,7 +39,8 @@ def interruption_named() -> Iterator[None]:
         yield
     except KeyboardInterrupt as error:
         forget_alarm()
-        raise Interrupted(str(error), isinstance(error, Terminated)) from error
+        text = f"interrupted: {error}" if str(error) else "interrupted"
+        raise Interrupted(text, isinstance(error, Terminated)) from error
 
 
 # From exceptions to messages and exit codes.

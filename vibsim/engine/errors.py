@@ -30,6 +30,11 @@ class State(Generic[N]):
     def copy(self) -> "State[N]":
         return State(self.t, list(self.x), list(self.v), self.phase, self.turns, self.w)
 
+    def rounded(self) -> "State[float]":
+        """The same in doubles."""
+        x, v = [float(value) for value in self.x], [float(value) for value in self.v]
+        return State(float(self.t), x, v, float(self.phase), float(self.turns), float(self.w))
+
 
 def start_of(scene: Scene[N], kit: Kit[N]) -> State[N]:
     """The state of a scene at t = 0."""
@@ -97,7 +102,7 @@ class Stopped(Exception):
 
 class EngineError(Exception):
     """A run that failed inside an engine: `reason` and the `state` reached; cause, time, state and remedy in
-    one line. parts: names of those that take part in it, if they are known.
+    one line, in doubles. parts: names of those that take part in it, if they are known.
 
     >>> import vibsim
     >>> try:
@@ -111,14 +116,15 @@ class EngineError(Exception):
         cause, remedy = REASONS[reason]
         cause += f": {parts}" if parts else ""
         self.reason, self.state, self.parts = reason, state, parts
-        values = f"x = {_listed(state.x)} m, v = {_listed(state.v)} m/s"
-        super().__init__(f"t = {state.t!s} s: {cause} ({values}); {remedy}")
+        shown = state.rounded()
+        values = f"x = {_listed(shown.x)} m, v = {_listed(shown.v)} m/s"
+        super().__init__(f"t = {shown.t} s: {cause} ({values}); {remedy}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """For pickle, as between processes."""
-        return type(self), (self.reason, self.state, self.parts)
+        """For pickle, as between processes: the state in doubles, as numbers of words have no pickle."""
+        return type(self), (self.reason, self.state.rounded(), self.parts)
 
 
-def _listed(numbers: Sequence[object]) -> str:
+def _listed(numbers: Sequence[float]) -> str:
     shown = [str(number) for number in numbers[:MOST_NUMBERS]]
     return ", ".join(shown + ["..."] * (len(numbers) > MOST_NUMBERS))

@@ -7,6 +7,7 @@ Sampled states and events come twice: as doubles, like those of any run, and as 
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,12 +15,12 @@ import numpy as np
 
 from vibsim.engine.blocks import Block
 from vibsim.engine.columns import stored_columns
-from vibsim.engine.errors import EngineError, State
+from vibsim.engine.errors import EngineError
 from vibsim.engine.number_forms import WordsForm
 from vibsim.engine.trajectory import Trajectory
 from vibsim.physics.numbers import Number
 from vibsim.physics.parts import Scene
-from vibsim.physics.precision import DigitsKit, number_kit
+from vibsim.physics.precision import number_kit
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,8 @@ class WordsTrajectory(Trajectory):
     def __init__(self, scene: Scene[Any], form: WordsForm[Any], ledger: bool, momentum: bool) -> None:
         from vibsim.engine.c_engine import CRun
 
-        super().__init__(CRun(scene, form=form, ledger=ledger, momentum=momentum))
+        with _failing_in_doubles():
+            super().__init__(CRun(scene, form=form, ledger=ledger, momentum=momentum))
         self.form, self.kit = form, form.kit
 
     def blocks(self) -> Iterator[TruthBlock]:
@@ -46,10 +48,8 @@ class WordsTrajectory(Trajectory):
         filled = self.run.blocks()
         while True:
             self.kit.activate()
-            try:
+            with _failing_in_doubles():
                 rows = next(filled, None)
-            except EngineError as error:
-                raise EngineError(error.reason, rounded(self.kit, error.state), error.parts) from error
             if rows is None:
                 return
             yield self._truth_block(*rows)
@@ -85,11 +85,13 @@ class WordsTrajectory(Trajectory):
         return super().totals
 
 
-def rounded(kit: DigitsKit[Number], state: State[Number]) -> State[float]:
-    """A state in doubles."""
-    values = kit.rounded([state.t, *state.x, *state.v, state.phase, state.turns, state.w])
-    n = len(state.x)
-    return State(values[0], values[1 : n + 1], values[n + 1 : 2 * n + 1], *values[-3:])
+@contextmanager
+def _failing_in_doubles() -> Iterator[None]:
+    """Give the state of an EngineError in doubles."""
+    try:
+        yield
+    except EngineError as error:
+        raise EngineError(error.reason, error.state.rounded(), error.parts) from error
 
 
 def open_truth(
