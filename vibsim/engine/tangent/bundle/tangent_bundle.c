@@ -26,7 +26,11 @@
 #else
 #define WHERE_LONG 0
 #endif
-#define LOST 0x1p-40 /* of the length of a disturbance in a rank loss: what is left is rounding */
+/* What is left of a disturbance beside others, as a share of the longest one: rounding below LOST. As a share of itself: below SLIVER
+ * it is at right angles to them to EPS / SLIVER only, the square of which a volume shows.
+ */
+#define LOST 0x1p-40
+#define SLIVER 0x1p-26
 
 /* Growth counts from here on. */
 static void start_to_count(Tangent *b)
@@ -188,11 +192,18 @@ static int fill(Tangent *b, int candidates, int before, int count)
     return before;
 }
 
-/* Orthonormalise the possible disturbances in the tangent space of m; replace those that are lost and those that waited. */
-static void fit(const Run *r, const Mode *m)
+/* Orthonormalise the possible disturbances in the tangent space of m; replace those that are lost and those that waited.
+ * flat : dimensions of that space in which an event has left none of any disturbance
+ */
+static void fit(const Run *r, const Mode *m, int flat)
 {
     Tangent *b = r->tangent;
     int room = b->component_count - b->outside, fitting = 0, over = 0, vectors, i;
+    Real longest = 1.0; /* of all before the event */
+    for (i = 0; i < b->possible; i++) {
+        Real length = length_of(b, i);
+        longest = length > longest ? length : longest;
+    }
     for (i = b->possible; i < b->count; i++, over++) {
         b->over[over] = b->sums[i];
         b->over_columns[over] = b->columns[i];
@@ -201,7 +212,9 @@ static void fit(const Run *r, const Mode *m)
         Real *vector = b->fitted + fitting * b->size, size;
         take_vector(b, i, b->vector);
         size = orthonormalise(b, b->vector, b->fitted, fitting);
-        if (size > LOST && fitting < room) {
+        if (size > LOST * longest && fitting < room - flat) {
+            if (size < SLIVER * length_of(b, i))
+                orthonormalise(b, b->vector, b->fitted, fitting);
             memcpy(vector, b->vector, sizeof(Real) * (size_t)b->size);
             b->sums[fitting] = b->sums[i] + logarithm(size);
             b->columns[fitting] = b->columns[i];
@@ -247,7 +260,7 @@ void tangent_open(Run *r)
         seat_disturbances(r, r->mode);
         join_disturbances(r, r->mode, &r->state);
         gauge_apply(b);
-        fit(r, r->mode);
+        fit(r, r->mode, 0);
     }
     start_to_count(b);
     mark_waiting(b);
@@ -362,7 +375,7 @@ static void change_ties(Run *r, const Mode *after)
     if (b->given)
         return;
     gauge_apply(b);
-    fit(r, after);
+    fit(r, after, 0);
 }
 
 /* Judge an event and apply its saltation. */
@@ -418,7 +431,7 @@ void tangent_cross(Run *r, int event, const Mode *before, const Mode *after)
         gauge_apply(b);
         if (determinant == 0) {
             b->losses += 1;
-            fit(r, after);
+            fit(r, after, 1);
             return;
         }
         for (i = 0; i < b->possible; i++) {
