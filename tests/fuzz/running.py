@@ -63,7 +63,7 @@ def _be_the_command(words, folder):
             os.dup2(os.open(name, flags, 0o600), descriptor)
         sys.stdin = open(0)  # noqa: SIM115
         sys.stdout, sys.stderr = (open(each, "w", closefd=False) for each in (1, 2))  # noqa: SIM115
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # as `python -m vibsim` begins
         sys.argv = ["vibsim", *words]
         from vibsim.command_line.main import main
 

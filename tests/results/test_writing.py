@@ -242,13 +242,12 @@ def ahead_of(run):
     return ahead
 
 
-def at_rest(run):
-    """How many blocks a run has computed when it waits."""
-    before = -1
-    while run.computed != before:
-        before = run.computed
-        time.sleep(0.05)
-    return run.computed
+def stays_at(run, count):
+    """Whether a run comes to so many blocks and waits there; one that is to go on has a moment for it."""
+    while run.computed < count:
+        time.sleep(0.001)
+    time.sleep(0.05)
+    return run.computed == count
 
 
 def test_blocks_come_in_order_with_what_is_told_of_each():
@@ -259,10 +258,10 @@ def test_blocks_come_in_order_with_what_is_told_of_each():
 
 def test_a_run_waits_for_those_who_take_its_blocks():
     ahead = ahead_of(run := Counting(100))
-    assert at_rest(run) == MOST_AHEAD
+    assert stays_at(run, MOST_AHEAD)
     taken = ahead.blocks(lambda: True)
     next(taken), next(taken), next(taken)
-    assert at_rest(run) <= MOST_AHEAD + 3
+    assert stays_at(run, MOST_AHEAD + 3)
     ahead.close()
     assert run.computed < 10
 
@@ -292,7 +291,7 @@ def test_who_waits_is_asked_whether_to_go_on():
         def blocks(self):
             for block in super().blocks():
                 yield block
-                release.wait(10)
+                release.wait(100)
 
     asked = []
 
@@ -307,10 +306,9 @@ def test_who_waits_is_asked_whether_to_go_on():
 
 
 def test_closing_ends_the_thread_also_of_a_run_that_was_never_begun():
-    before = threading.active_count()
-    BlocksAhead(Counting(3), lambda block: None).close()
-    ahead_of(Counting(10**9)).close()
-    assert threading.active_count() == before
+    for ahead in (BlocksAhead(Counting(3), lambda block: None), ahead_of(Counting(10**9))):
+        ahead.close()
+        assert not ahead._thread.is_alive()
 
 
 def test_news_is_told_while_a_block_is_waited_for():
@@ -318,7 +316,7 @@ def test_news_is_told_while_a_block_is_waited_for():
 
     class Slow(Counting):
         def blocks(self):
-            released.wait(10)
+            released.wait(100)
             yield from super().blocks()
 
     ahead = ahead_of(Slow(2))
@@ -338,7 +336,9 @@ def test_news_is_told_while_a_block_is_waited_for():
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_no_more_compute_than_there_are_cores(count):
+    """The first ones wait in there for each other: as many compute at a time as may."""
     cores, lock, inside, most = Cores(count), threading.Lock(), [], []
+    all_in = threading.Barrier(count)
 
     def work():
         for _ in range(20):
@@ -346,6 +346,9 @@ def test_no_more_compute_than_there_are_cores(count):
                 with lock:
                     inside.append(1)
                     most.append(len(inside))
+                    waits = len(most) <= count
+                if waits:
+                    all_in.wait(100)
                 time.sleep(0.0005)
                 with lock:
                     inside.pop()
@@ -390,7 +393,7 @@ def test_a_core_that_becomes_free_is_used():
         thread.start()
         assert not done.wait(0.02)
         cores.add()
-        assert done.wait(10)
+        assert done.wait(100)
     thread.join()
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 QUIET = ("--no-dashboard", "--host", "127.0.0.1")
-DEADLINE = 60.0  # seconds
+DEADLINE = 100.0  # seconds
 
 
 class LoopbackCluster:
@@ -41,6 +41,13 @@ class LoopbackCluster:
         self.workers.append(worker)
         return worker
 
+    def await_workers(self, count):
+        """Wait until so many workers are there."""
+        from distributed import Client
+
+        with Client(self.address, timeout=DEADLINE, set_as_default=False) as client:
+            client.wait_for_workers(count, timeout=DEADLINE)
+
     def _start(self, *words, **environment):
         command = [sys.executable, "-m", "dask", *words, *QUIET]
         paths = os.pathsep.join(filter(None, [environment.pop("PYTHONPATH", ""), str(ROOT)]))
@@ -69,6 +76,7 @@ def loopback_cluster(folder, workers=2, **environment):
     try:
         for _ in range(workers):
             cluster.add_worker()
+        cluster.await_workers(workers)
         yield cluster
     finally:
         cluster.end()

@@ -1,6 +1,9 @@
 """Short sweeps for the tests, and their comparison bit by bit."""
 
+from contextlib import contextmanager
+
 import numpy as np
+import pytest
 
 from vibsim.cases import load_case
 from vibsim.sweeps import sweeping
@@ -48,6 +51,21 @@ def run_stored(store, jobs, watch=None):
     """Complete a store on this machine; the result, and whether every point was reached."""
     with LocalWorkers(store.plan.point_settings, jobs) as workers:
         return sweeping.complete(store, workers, watch)
+
+
+def until(points):
+    """A watch that stops a sweep once so many points are there."""
+    return lambda table: table.count(DONE) < points
+
+
+@contextmanager
+def batches_of_one():
+    """However long this process waits for its turn: a sweep of two workers that is to stop at so many points
+    has no more than eight others then, four that came back at once and four under way.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("vibsim.sweeps.workers.Backlog._batch_size", lambda backlog, workers: 1)
+        yield
 
 
 def complete(plan, path, **options):

@@ -5,7 +5,16 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import assert_same_points, complete, in_memory, run_stored, short_plan, swept
+from tests.sweeps.made import (
+    assert_same_points,
+    batches_of_one,
+    complete,
+    in_memory,
+    run_stored,
+    short_plan,
+    swept,
+    until,
+)
 from vibsim.analysis.attractor import observables
 from vibsim.cases.case import load_case, load_case_text
 from vibsim.results.hdf5_reading import ResultFileError
@@ -116,7 +125,8 @@ def test_the_order_of_points_and_the_number_of_workers_change_no_bit(basins):
 def test_a_sweep_that_is_stopped_goes_on_to_the_same_file(basins, tmp_path):
     _, result = basins
     plan, path = cantilever_plan(), tmp_path / "stopped.h5"
-    run_stored(SweepStore(plan, path), 2, watch=lambda table: table.count(1) < 20)
+    with batches_of_one():
+        run_stored(SweepStore(plan, path), 2, until(20))
     there = vibsim.open_result(path)
     assert 0 < (there["status"] == 1).sum() < 64
     assert set(np.unique(there["attractor"][there["status"] != 1])) == {NONE}

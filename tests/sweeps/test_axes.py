@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.sweeps.made import OMEGA0, assert_same_points, run_stored, short_case, short_plan, swept
+from tests.sweeps.made import (
+    OMEGA0,
+    assert_same_points,
+    batches_of_one,
+    run_stored,
+    short_case,
+    short_plan,
+    swept,
+    until,
+)
 from vibsim.analysis.cycles import parse_discard
 from vibsim.cases import CaseError, RangeError, UnknownKeyError
 from vibsim.results.simulation import open_result
@@ -247,7 +256,8 @@ def test_any_number_of_jobs_and_resuming_give_the_same_bits(tmp_path, settings):
     plan, path = ensemble_plan(**settings), tmp_path / "e.h5"
     one = swept(plan, jobs=1)
     assert_same_points(swept(plan, jobs=3).table, one.table)
-    run_stored(SweepStore(plan, path), 2, watch=lambda table: table.count(1) < 5)
+    with batches_of_one():
+        run_stored(SweepStore(plan, path), 2, until(2))
     assert open_result(path).attrs["complete"] == 0
     assert_same_points(swept(plan, path).table, one.table)
     assert open_result(path).plan.fingerprint == plan.fingerprint

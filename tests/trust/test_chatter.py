@@ -93,7 +93,6 @@ def test_the_time_that_a_chatter_under_friction_leaves_out_is_that_of_its_hops()
     assert begun[1] - begun[0] > 9e-8
 
 
-@pytest.mark.timeout(120)
 @pytest.mark.parametrize(("name", "doubts"), [("hops-without-loss", False), ("hops-on-two-stops", True)])
 def test_hops_come_to_an_end(name, doubts):
     """Of hops with e = 1 friction takes by standing in part of each; on two stops in turn rounding does."""

@@ -193,7 +193,7 @@ FAILS = SolverFamily(
 )
 
 
-def row(method, setting, limit=20.0, going_on=lambda: True, name="II-B"):
+def row(method, setting, limit=600.0, going_on=lambda: True, name="II-B"):
     scene = plan(name).case.scene()
     return measure(family_of(method), setting, scene, truth(name), limit, going_on)
 

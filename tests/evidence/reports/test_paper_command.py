@@ -8,7 +8,6 @@ import threading
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -19,7 +18,7 @@ from vibsim.analysis import judge_capture
 from vibsim.analysis.capture import Capture
 from vibsim.analysis.cycles import Hold, Span
 from vibsim.cases import load_case
-from vibsim.engine.errors import REASONS, EngineError
+from vibsim.engine.errors import REASONS, EngineError, State
 from vibsim.evidence.reports import measurements
 from vibsim.evidence.reports.claims import FAILS, HOLDS
 from vibsim.evidence.reports.figures import EVIDENCE
@@ -68,7 +67,7 @@ def test_an_interrupted_report_keeps_what_was_done(tmp_path):
     assert last.endswith("the same command resumes it\n")
     runs = sorted(path.stem for path in (tmp_path / "paper" / "runs").iterdir())
     assert runs == sorted(PAPER_RUNS)
-    assert list(json.loads((tmp_path / "paper" / "numbers.json").read_text())) == ["facts"]
+    assert "facts" in json.loads((tmp_path / "paper" / "numbers.json").read_text())
     assert not (tmp_path / "paper" / "report.html").exists()
 
 
@@ -216,7 +215,7 @@ def test_outcomes_come_in_order():
 
 
 def test_a_run_that_fails_is_an_outcome_too(monkeypatch):
-    reason, state = next(iter(REASONS)), SimpleNamespace(t=1.0, x=[0.0, 0.0], v=[0.0, 0.0])
+    reason, state = next(iter(REASONS)), State(1.0, [0.0, 0.0], [0.0, 0.0], 0.0, 0.0, 0.0)
 
     def fail(*given, **options):
         raise EngineError(reason, state)
