@@ -1,6 +1,5 @@
-"""Hypothesis for the whole suite: the same draws in every run of the same tests (it also draws numbers that
-stand in the modules loaded so far, so other tests beside them change them), no deadlines. Ctrl-C as on a
-terminal.
+"""Hypothesis for the whole suite: the same draws in every run of a test, whatever the order and the tests
+beside it, and no deadlines. Ctrl-C as on a terminal.
 
 VIBSIM_HYPOTHESIS=search draws afresh, for hunting.
 """
@@ -8,6 +7,7 @@ VIBSIM_HYPOTHESIS=search draws afresh, for hunting.
 import gc
 import os
 import signal
+import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -17,6 +17,10 @@ COMMON = {"deadline": None, "database": None, "suppress_health_check": [HealthCh
 settings.register_profile("repeatable", derandomize=True, **COMMON)
 settings.register_profile("search", **COMMON)
 settings.load_profile(os.environ.get("VIBSIM_HYPOTHESIS", "repeatable"))
+# Later versions also draw numbers that stand in the modules of vibsim that happen to be loaded.
+providers = sys.modules.get("hypothesis.internal.conjecture.providers")
+if hasattr(providers, "_get_local_constants"):
+    providers._get_local_constants = lambda: providers._local_constants  # none
 # Workers and commands begin with memory that holds something: numbers that C reads and never computed show.
 os.environ.setdefault("MALLOC_PERTURB_", "170")
 
