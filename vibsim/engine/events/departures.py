@@ -27,6 +27,7 @@ from vibsim.engine.modes.rows import (
     FORMULA,
     GAP,
     PUSH,
+    STRIKE,
     Event,
     EventKey,
     Known,
@@ -117,20 +118,35 @@ class DerivativeSigns(Generic[N]):
 
     def is_open(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> bool:
         """Whether rounding leaves the first of the derivatives `values`, from order `first`, that is not zero
-        open, or one before it. That of order 1 of displacements is one of velocities.
+        open, or one before it.
         """
-        order = leading(values, first)
-        bounds = self.expansion.bounds(event, order, state.t == 0)
-        if order > 0 and event.is_made_of(DIFFERENCE):
+        bounds = self._bounds_of(state, event, leading(values, first))
+        return any(
+            0 < lost >= abs(value) for value, lost in zip(values[first:], bounds[first:], strict=False)
+        )
+
+    def clear_sign(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> int:
+        """Sign of the first of the derivatives `values`, from order `first`, that is not rounding alone; 0
+        where all are.
+        """
+        bounds = self._bounds_of(state, event, len(values) - 1)
+        return first_sign(
+            value for value, lost in zip(values[first:], bounds[first:], strict=True) if abs(value) > lost
+        )
+
+    def _bounds_of(self, state: State[N], event: Event[N], highest: int) -> list[N]:
+        """Bounds of the rounding of derivatives up to an order. That of order 1 of displacements is one of
+        velocities.
+        """
+        bounds = self.expansion.bounds(event, highest, state.t == 0)
+        if highest > 0 and event.is_made_of(DIFFERENCE):
             bounds[1] = self.kit.number(0)
             for term in event.terms:
                 bounds[1] = (
                     bounds[1]
                     + abs(term.coefficient) * self.relative.base_rounding((term.P, term.Q), state)[1]
                 )
-        return any(
-            0 < lost >= abs(value) for value, lost in zip(values[first:], bounds[first:], strict=False)
-        )
+        return bounds
 
     def as_far_as_needed(self, event: Event[N], first: int, direct: Mapping[int, N]) -> list[N]:
         """Derivatives of an event function of the mode entered last: at least up to the first, from order
@@ -152,7 +168,7 @@ class DerivativeSigns(Generic[N]):
         zero).
 
         order : of a zero here from which it was taken to rise, and fell back within the grid of time: its
-            derivatives up to that order are rounding
+            derivatives up to that order are rounding; of a rigid stop all but its rate
 
         Where the function stood at zero, or just grazes it, and what sets it into motion meets it with the
         rounding of where it came from, the first derivative beyond that decides, in doubt; where there is
@@ -160,7 +176,7 @@ class DerivativeSigns(Generic[N]):
         """
         rows = self.maker.rows(self.with_sides(state, status))
         event = self.event(rows, key)
-        if event.is_made_of(DIFFERENCE):
+        if event.is_made_of(DIFFERENCE) and (order == 0 or event.kind == STRIKE):
             rate = self._direct_rate(state, event)
             if rate != 0:
                 return -sign(rate), 1

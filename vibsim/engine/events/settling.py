@@ -53,11 +53,12 @@ class StickSlipResolution(Generic[N]):
         if settled is not None:
             return settled
         self._doubt_ties(state, standing)
-        if combinations_count(standing, len(status.frictions)) > MOST_TRIED:
+        if self._are_many(standing):
             here = self._accelerations(state, status)
-            return self._decided(state, self._descend(state, after, standing, here), standing)
-        consistent = self._first_consistent(state, after, standing, besides=status)
-        return after if consistent is None else consistent
+            consistent = self._descend(state, after, standing, here)
+        else:
+            consistent = self._first_consistent(state, after, standing, besides=status)
+        return self._decided(state, consistent, after, standing)
 
     def settle(self, state: State[N], status: Status, standing: Sequence[int]) -> Status:
         """The status in which the ties `standing` (frictions with v_rel = 0, rigid stops with g = g' = 0)
@@ -70,17 +71,18 @@ class StickSlipResolution(Generic[N]):
             if after is not None:
                 return after
             self._doubt_ties(state, standing)
-        if combinations_count(standing, len(status.frictions)) > MOST_TRIED:
+        if self._are_many(standing):
             start = (tied, self._accelerations(state, tied)) if possible else self._parted(state, tied)
-            return self._decided(
-                state, start and self._descend(state, start[0], standing, start[1]), standing
-            )
-        consistent = self._first_consistent(state, status, standing)
-        if consistent is not None:
-            return consistent
-        if not possible:
-            self._doubt_ties(state, standing)
-        return tied
+            consistent = start and self._descend(state, start[0], standing, start[1])
+        else:
+            consistent = self._first_consistent(state, status, standing)
+            if consistent is None and not possible:
+                self._doubt_ties(state, standing)
+        return self._decided(state, consistent, tied, standing)
+
+    def _are_many(self, standing: Iterable[int]) -> bool:
+        """Whether ties have more combinations than are tried one by one."""
+        return combinations_count(standing, len(self.scene.frictions)) > MOST_TRIED
 
     def _doubt_ties(self, state: State[N], standing: Iterable[int]) -> None:
         """Doubt which of the ties `standing` hold."""
@@ -107,20 +109,23 @@ class StickSlipResolution(Generic[N]):
             return False
         return self.maker.can_last(status)
 
-    def _release(self, state: State[N], candidate: Status, standing: Sequence[int]) -> Status | None:
+    def _release(
+        self, state: State[N], candidate: Status, standing: Sequence[int], clearly: bool = False
+    ) -> Status | None:
         """As long as cuts are overloaded, the ties of the one that is so most let go. None where that is not
-        consistent in the end.
+        consistent in the end. clearly: what rounding alone overloads or turns round does not count, as where
+        bodies that are alike move as one and ties between them have nothing to hold.
         """
         for _ in range(len(standing) + 1):
             rows = self.departures.enter(state, candidate)
-            broken = self._overloaded(state, rows)
+            broken = self._overloaded(state, rows, clearly)
             if broken is None:
                 break
             candidate = self._torn(candidate, rows, broken)
         else:
             return None
         slipping = self._apart(candidate, standing)
-        if len(standing) == 1 or self._slips_as_said(state, candidate, slipping):
+        if len(standing) == 1 or self._slips_as_said(state, candidate, slipping, clearly):
             return candidate
         return None
 
@@ -201,12 +206,18 @@ class StickSlipResolution(Generic[N]):
                 kept = kept | {k}
         return status.with_ties(dict.fromkeys(kept & set(standing), STICK))
 
-    def _decided(self, state: State[N], status: Status | None, standing: Sequence[int]) -> Status:
-        """The status; raises EngineError where there is none."""
-        if status is None:
+    def _decided(
+        self, state: State[N], consistent: Status | None, tied: Status, standing: Sequence[int]
+    ) -> Status:
+        """The status `consistent`; where there is none, the one that cuts which let go lead to from `tied`
+        without what rounding alone contradicts; else `tied`. Raises EngineError of many ties.
+        """
+        if consistent is None and self.possible(tied):
+            consistent = self._release(state, tied, standing, clearly=True)
+        if consistent is None and self._are_many(standing):
             names = ", ".join(self.maker.tie(k).name for k in standing)
             raise EngineError("undecided", state, f"{len(standing)} of them, {names}")
-        return status
+        return tied if consistent is None else consistent
 
     @staticmethod
     def _torn(status: Status, rows: ModeRows[N], broken: Event[N]) -> Status:
@@ -220,8 +231,8 @@ class StickSlipResolution(Generic[N]):
         tied = set(status.tied)
         return [k for k in standing if k not in tied]
 
-    def _overloaded(self, state: State[N], rows: ModeRows[N]) -> Event[N] | None:
-        """The HOLD event furthest below zero behind the instant, or None."""
+    def _overloaded(self, state: State[N], rows: ModeRows[N], clearly: bool = False) -> Event[N] | None:
+        """The HOLD event furthest below zero behind the instant, `clearly` or by its rounding; or None."""
         worst: Event[N] | None = None
         depth: N | None = None
         forces = self.departures.expansion.forces()
@@ -232,14 +243,20 @@ class StickSlipResolution(Generic[N]):
                     state, event, values, 0
                 ):
                     self.departures.doubt_event(state, rows.status, event, LOADED)
+                    if clearly and self.departures.clear_sign(state, event, values, 0) >= 0:
+                        continue
                 if first_sign(values) < 0 and (depth is None or values[0] < depth):
                     if values[0] < 0 < values[1] and self.departures.passes_now(state, event, values):
                         continue  # a load by a formula comes back from nothing: it would slip for no time
                     worst, depth = event, values[0]
         return worst
 
-    def _slips_as_said(self, state: State[N], status: Status, slipping: Sequence[int]) -> bool:
-        """Whether the ties that let go do so in the direction of their status, and stops part."""
+    def _slips_as_said(
+        self, state: State[N], status: Status, slipping: Sequence[int], clearly: bool = False
+    ) -> bool:
+        """Whether the ties that let go do so in the direction of their status, and stops part; `clearly`: or
+        do not but by rounding.
+        """
         if not slipping:
             return True
         rows, count = self.departures.enter(state, status), len(status.frictions)
@@ -249,6 +266,8 @@ class StickSlipResolution(Generic[N]):
             values = self.departures.as_far_as_needed(event, order, {})
             if self.departures.is_open(state, event, values, order):
                 self.departures.doubt_event(state, status, event, LEAVES)
+                if clearly and self.departures.clear_sign(state, event, values, order) >= 0:
+                    continue
             if first_sign(values[order:]) < 0:
                 return False
         return True

@@ -297,6 +297,22 @@ static void polish(Run *r, const Event *e)
     }
 }
 
+/* Go on to the zero of a tie's function, which falls within its rounding of zero, where another tie has the same one: as of bodies that
+ * are alike. Both let go at that instant, and what is left of the functions there is to be rounding of the time alone.
+ */
+static void reach_zero_of_twins(Run *r, int which, Real value, Real slope)
+{
+    const Search *s = &r->closed_form.search;
+    int i;
+    for (i = 0; i < s->event_count; i++) {
+        const Event *e = &r->mode->events[s->events[i]];
+        if (s->events[i] != which && e->kind == HOLD && event_derivative(r, e, 0) == value && event_derivative(r, e, 1) == slope) {
+            move(r, value / -slope);
+            return;
+        }
+    }
+}
+
 /* Length of a step while a function, `held`, rises within its rounding of zero: one that leaves zero as slowly as t^4 does so for long, and
  * certified steps grow too little. So each is at least twice the one before, as far as the others allow, `free_step`.
  */
@@ -338,6 +354,8 @@ static int step_ahead(Run *r)
                 continue;
             certify_crossing(r, which, value, slope, bound, noise);
             certify_order(r, which, s->events, s->event_count, value, slope, noise);
+            if (e->kind == HOLD && value > 0 && slope < 0)
+                reach_zero_of_twins(r, which, value, slope);
             return which;
         }
         if (e->turns)
