@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tests.engine.bundles import assert_derivative
-from tests.engine.runs import scene_of
+from tests.engine.runs import run, scene_of
 from vibsim import simulate
 from vibsim.cases.case import load_case_text
 from vibsim.engine.errors import EngineError
@@ -396,3 +396,25 @@ run: {t_end: 1 s, every: 10 ms}
 """
     with pytest.raises(EngineError, match=r"t = 0\.3.* base"):
         simulate(load_case_text(text, name="root"), trust=False)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_a_belt_that_jumps_as_a_kink_of_the_base_strikes_its_body_gives_no_impulse(e):
+    """At 1 s the base grows faster and strikes b, which rests on it, as the belt between a and b jumps. From
+    then on that takes N mu / m = 0.02 m/s^2 of a's velocity, which it once took 0.04 m/s of at once.
+    """
+    result = run(
+        scene_of(f"""
+bodies: {{a: 1 kg, b: 1 kg}}
+friction: {{f: {{between: [a, b], N: 0.02 N, mu: 1, belt: "where(t < 1 s, 0 m/s, -0.05 m/s)"}}}}
+stops: {{s: {{between: [b, base], gap: 0 m, acts: extension, law: rigid, e: {e}}}}}
+forces: {{F: {{on: b, F0: -0.05 N}}}}
+base: {{x: "0.01 m*max(t/1 s, 2*t/1 s - 1)"}}
+initial: {{a: {{v: 0.01 m/s}}, b: {{v: 0.01 m/s}}}}
+run: {{t_end: 2 s, every: 10 ms}}
+"""),
+        ledger=True,
+    )
+    course = 0.01 - 0.02 * np.maximum(result.samples["time"] - 1, 0)
+    np.testing.assert_allclose(result.samples["v_a"], course, rtol=0, atol=1e-15)
+    assert abs(result.totals["energy_residual"]) < 1e-15

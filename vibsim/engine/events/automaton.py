@@ -238,12 +238,12 @@ class Automaton(Generic[N]):
         """
         switches = self.departures.switches
         assert switches is not None
-        blur = switches.inputs(state, status)[1].v
+        blur, sides = switches.inputs(state, status)[1].v, switches.rows.sides(status)
         for event in self.maker.rows(status).events:
             if event.kind == SLIDE:
                 friction = self.scene.frictions[event.part]
                 open_to = sum(blur[column] for column in self.maker.ends(friction))
-                if abs(self.starts.relative.slip(friction, state)) <= open_to:
+                if abs(self.starts.relative.slip(friction, state, sides)) <= open_to:
                     taken = self._sliding_ends(state, status, event)
                     if taken[0].frictions[event.part] == STICK:
                         return taken

@@ -18,6 +18,7 @@ from vibsim.engine.errors import State, Stopped
 from vibsim.engine.events.records import Happened
 from vibsim.engine.events.relative_motion import RelativeMotion
 from vibsim.engine.events.switches import SwitchSides
+from vibsim.engine.flows.base_motion import NO_SIDES
 from vibsim.engine.flows.expansion import Expansion, highest_derivative
 from vibsim.engine.modes.row_maker import RowMaker
 from vibsim.engine.modes.rows import (
@@ -35,6 +36,7 @@ from vibsim.engine.modes.rows import (
     Term,
 )
 from vibsim.engine.modes.status import CONTACT, KEPT, OPEN, VIOLATED, Status
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import N, abs, total_of
 from vibsim.physics.parts import Clearance, Stop
 
@@ -81,6 +83,10 @@ class DerivativeSigns(Generic[N]):
     def with_sides(self, state: State[N], status: Status) -> Status:
         """The status with a side of each switch that its formulas read, where it has none yet."""
         return status if self.switches is None else self.switches.with_sides(state, status)
+
+    def sides(self, status: Status) -> Mapping[Node, int]:
+        """The sides of the switches of formulas that a mode says."""
+        return NO_SIDES if self.switches is None else self.switches.rows.sides(status)
 
     def event(self, rows: ModeRows[N], key: EventKey) -> Event[N]:
         return next(event for event in rows.events if event.key == key)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Generic
 
 from vibsim.engine.errors import State
-from vibsim.engine.flows.base_motion import base_motion, base_rounding, belt_velocity, fastest_base
+from vibsim.engine.flows.base_motion import (
+    NO_SIDES,
+    base_motion,
+    base_rounding,
+    belt_velocity,
+    fastest_base,
+)
 from vibsim.engine.modes.rows import Joined
 from vibsim.engine.modes.ties import Edge
+from vibsim.physics.formulas import Node
 from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import BASE, GROUND, Clearance, Friction, RigidStop, Scene, Stop
 
@@ -94,9 +101,10 @@ class RelativeMotion(Generic[N]):
         vP, vQ = self.ends(stop, state, "v")
         return -(stop.sense * (vP - vQ))
 
-    def slip(self, friction: Friction[N], state: State[N]) -> N:
+    def slip(self, friction: Friction[N], state: State[N], sides: Mapping[Node, int] = NO_SIDES) -> N:
+        """Velocity of slip [m/s]; sides: of switches in the mode that the state is in."""
         vP, vQ = self.ends(friction, state, "v")
-        return (vP - vQ) - belt_velocity(friction, self.kit, state.t)
+        return (vP - vQ) - belt_velocity(friction, self.kit, state.t, sides)
 
     def met(self, part: Stop[N] | RigidStop[N] | Clearance[N], state: State[N]) -> bool:
         """Whether the ends of a part are exactly where its depth or excess is zero: as computed, or as told

@@ -282,10 +282,10 @@ class StickSlipResolution(Generic[N]):
 
     def drift(self, status: Status, state: State[N]) -> list[N]:
         """Velocity of each column against its group, with those of belts by formulas [m/s]."""
-        drift = list(self.maker.tied(status).drift)
+        drift, sides = list(self.maker.tied(status).drift), self.departures.sides(status)
         for c, signs in enumerate(self.maker.tied(status).courses):
             for course, sense in signs.items():
-                drift[c] = drift[c] + sense * course_velocity(course, self.kit, state.t)
+                drift[c] = drift[c] + sense * course_velocity(course, self.kit, state.t, sides)
         return drift
 
     def join(self, state: State[N], rows: ModeRows[N], i: int) -> None:

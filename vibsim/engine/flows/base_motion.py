@@ -11,10 +11,11 @@ from vibsim.physics.numbers import Kit, N, abs
 from vibsim.physics.parts import Friction, Harmonic, Scene
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterable
+    from collections.abc import Hashable, Iterable, Mapping
 
     from vibsim.engine.modes.rows import ModeRows
 
+NO_SIDES: Mapping[Node, int] = {}  # of switches: none is known
 KEPT = 16  # formulas of bases that are kept
 DERIVATIVES = 4  # of the argument of a switch, that tell the piece that begins at its zero
 ROUNDING = 16  # of a product of an amplitude, powers of a rate and a sine, in units of eps
@@ -45,11 +46,13 @@ class BaseFormula:
         self.switches = [node for node in walk([formula]) if node[0] in SWITCHES]
         self.tapes: dict[tuple[int, ...], Tape] = {}
 
-    def tape(self, t: Any) -> Tape:
-        """X, X' and X'' in the piece that the time t [s] is in, or begins."""
+    def tape(self, t: Any, known: Mapping[Node, int] = NO_SIDES) -> Tape:
+        """X, X' and X'' in the piece that the time t [s] is in, or begins. known: sides of switches in the
+        mode that is meant, where t may belong to two pieces
+        """
         sides: dict[Node, int] = {}
         for node in self.switches:
-            sides[node] = self._side(node, t, sides)
+            sides[node] = known[node] if node in known else self._side(node, t, sides)
         key = tuple(sides.values())
         if key not in self.tapes:
             self.tapes[key] = motion_tape(self.kit, self.formula, sides, "base")
@@ -153,16 +156,21 @@ def base_rounding(scene: Scene[N], kit: Kit[N], t: N) -> tuple[N, N]:
     return place, rate
 
 
-def belt_velocity(friction: Friction[N], kit: Kit[N], t: N) -> N:
-    """Velocity at t [s] of the belt of a friction, be it a number, a formula or both [m/s]."""
+def belt_velocity(friction: Friction[N], kit: Kit[N], t: N, sides: Mapping[Node, int] = NO_SIDES) -> N:
+    """Velocity at t [s] of the belt of a friction, be it a number, a formula or both [m/s]; sides: as of
+    `course_velocity`.
+    """
     if friction.course is None:
         return friction.belt
-    return friction.belt + course_velocity(friction.course, kit, t)
+    return friction.belt + course_velocity(friction.course, kit, t, sides)
 
 
-def course_velocity(course: Node, kit: Kit[N], t: N) -> N:
-    """Velocity at t [s] of a belt that moves by a formula [m/s]."""
-    velocity: N = _kept(course, cast("Hashable", kit), True).values(t)[1][0]
+def course_velocity(course: Node, kit: Kit[N], t: N, sides: Mapping[Node, int] = NO_SIDES) -> N:
+    """Velocity at t [s] of a belt that moves by a formula [m/s]; sides: of the switches in the mode that t is
+    in, whose own may turn at that instant as well.
+    """
+    motion = _kept(course, cast("Hashable", kit), True)
+    velocity: N = motion.values(t, motion.tape(t, sides))[1][0]
     return velocity
 
 

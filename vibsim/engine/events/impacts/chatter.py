@@ -219,12 +219,12 @@ class Chatter(Generic[N]):
         """Whether a friction at an end of a stop, or at what moves with it, slips so slowly that a hop which
         begins with a speed [m/s] turns it round, or comes to rest before the next impact, `after` [s].
         """
-        ends = self._hopping(status, contact)
+        ends, sides = self._hopping(status, contact), self.departures.sides(status)
         return any(
             status.frictions[i] != STICK
             and ends & set(self.maker.ends(one))
             and (
-                abs(self.relative.slip(one, state)) <= TURNING * speed
+                abs(self.relative.slip(one, state, sides)) <= TURNING * speed
                 or 0 < self._halt(state, status, i) <= after
             )
             for i, one in enumerate(self.scene.frictions)
@@ -289,13 +289,14 @@ class Chatter(Generic[N]):
         """The friction at what hops that comes to rest first with the accelerations of all columns, and after
         which time [s]; None where none does.
         """
-        ends, first, soonest = self._hopping(status, c), None, self.kit.number(0)
+        ends, sides = self._hopping(status, c), self.departures.sides(status)
+        first, soonest = None, self.kit.number(0)
         for i, one in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(one)
             sense = status.frictions[i]
             slowing = -sense * (accelerations[P] - accelerations[Q])
             if sense != STICK and ends & {P, Q} and slowing > 0:
-                slip = sense * self.relative.slip(one, state)
+                slip = sense * self.relative.slip(one, state, sides)
                 halt = slip / slowing if slip > 0 else self.kit.number(0)
                 if first is None or halt < soonest:
                     first, soonest = i, halt

@@ -154,10 +154,11 @@ class RigidStops(Generic[N]):
         """The status with the frictions of the columns that impacts moved as the velocities say."""
         v, size = self.impacts.velocities(state), size_of(touch.contacts, touch.v)
         turned: dict[int, int] = {}
+        sides = self.departures.sides(status)
         for i, friction in enumerate(self.scene.frictions):
             P, Q = self.maker.ends(friction)
             if touch.moved & {P, Q}:
-                slip = (v[P] - v[Q]) - belt_velocity(friction, self.kit, state.t)
+                slip = (v[P] - v[Q]) - belt_velocity(friction, self.kit, state.t, sides)
                 own = abs(v[P]) + abs(v[Q]) + abs(friction.belt)
                 noise = ROUNDING * self.kit.eps * (own if own > size else size)
                 turned[i] = STICK if abs(slip) <= noise else FORWARD if slip > 0 else BACKWARD
