@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 from fractions import Fraction
-from math import factorial, pi
+from math import cos, factorial, pi
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from tests.engine.runs import run, scene_of, whole
 from vibsim.cases.case import load_case_text
@@ -88,3 +89,31 @@ def test_a_limit_that_is_passed_flat_is_in_doubt(n):
     assert kinds(found.events) == ["start", "stick_end", "end"]
     assert found.events["t"][1] == pytest.approx(1.0, abs=3 * (64 * 2.0**-52) ** (1 / n))
     assert found.totals["uncertified"] > 0
+
+
+def test_what_touches_at_the_start_is_asked_on_the_sides_that_springs_go_to():
+    """Two bodies that touch and rest at the kink of a spring: b moves ahead of a and presses on it from the
+    start. On the other side of the kink it would stay behind, and the run began so, free until 0.107 s.
+    """
+    text = """
+bodies: {a: 1 kg, b: 1 kg}
+links:
+  s: {between: [a, ground], k: 100 N/m}
+  kinked: {between: [b, ground], force: "k*max(d, 0) + 2*k*min(d, 0)", k: 100 N/m}
+stops: {touch: {between: [a, b], gap: 0 m, acts: extension, k: 500 N/m}}
+forces:
+  Fa: {on: a, A: 1 N, omega: 10 rad/s, phase: 90 deg}
+  Fb: {on: b, A: 1 N, omega: 5 rad/s, phase: 90 deg}
+run: {t_end: 0.5 s, every: 20 ms}
+"""
+
+    def rates(t, y):
+        push = 500 * max(y[1] - y[0], 0)
+        spring = 100 * max(y[1], 0) + 200 * min(y[1], 0)
+        return [y[2], y[3], cos(10 * t) - 100 * y[0] + push, cos(5 * t) - spring - push]
+
+    result = run(scene_of(text))
+    assert kinds(result.events) == ["start", "end"] and result.row(0)["touch"] == 1
+    other = solve_ivp(rates, (0, 0.5), [0] * 4, "DOP853", t_eval=[0.5], rtol=1e-11, atol=1e-14, max_step=1e-3)
+    ours = [result.final(name) for name in ("x_a", "x_b", "v_a", "v_b")]
+    np.testing.assert_allclose(ours, other.y[:, -1], rtol=0, atol=1e-9)  # a step of it goes over the kink

@@ -54,6 +54,8 @@ from vibsim.engine.modes.ties import Edge, TooManyCuts
 from vibsim.physics.numbers import N
 from vibsim.physics.parts import Friction, RigidStop, Scene, Stop
 
+MOST_LOOKS = 8  # at a start whose switches turn by what stops and frictions do there, and these by them
+
 
 class Automaton(Generic[N]):
     """Decides the modes of a run: at its start, see `InitialMode`, and behind each event.
@@ -82,16 +84,17 @@ class Automaton(Generic[N]):
     def initial(self, state: State[N]) -> tuple[Status, Known]:
         """Status that the motion starts in from `state`, and the known zeros there."""
         with self._cuts_counted(state):
-            status, known = self.starts.initial(state)
-            return self._with_switches(state, status, known)
-
-    def _with_switches(self, state: State[N], status: Status, known: Known) -> tuple[Status, Known]:
-        """The mode with the sides of the switches of its formulas, and their known zeros as well."""
-        switches = self.departures.switches
-        if switches is None:
-            return status, known
-        status, zeros = switches.initial(state, self.departures, status)
-        return status, known | zeros
+            switches = self.departures.switches
+            if switches is None:
+                return self.starts.initial(state)
+            sides: tuple[int | None, ...] = ()
+            for _ in range(MOST_LOOKS):
+                before, known = self.starts.initial(state, sides)
+                status, zeros = switches.initial(state, self.departures, before)
+                if status.switches == switches.with_sides(state, before).switches:
+                    break
+                sides = status.switches  # with which what touches or stands may do something else
+            return status, known | zeros
 
     def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:
         """Transition at the zero of `event` at `state`: (status, [(kind name, part)], known zeros).
@@ -365,8 +368,10 @@ class InitialMode(Generic[N]):
         self.relative = settling.relative
         self.elastic = dict(scene.elastic_stops)
 
-    def initial(self, state: State[N]) -> tuple[Status, Known]:
-        """Status that the motion starts in from `state`, and the known zeros there."""
+    def initial(self, state: State[N], switches: tuple[int | None, ...] = ()) -> tuple[Status, Known]:
+        """Status that the motion starts in from `state`, and the known zeros there; switches: the sides of
+        those of formulas, where some are known.
+        """
         scene = self.scene
         depths = [self.relative.depth(stop, state) for stop in scene.stops]
         met = [
@@ -382,7 +387,7 @@ class InitialMode(Generic[N]):
         clearances = tuple(VIOLATED if over > 0 else KEPT for over in slacks)
         rates = [self._slip(friction, state) for friction in scene.frictions]
         frictions = tuple(sign(rate) for rate in rates)
-        status = self._pressing(state, Status(stops, frictions, clearances), met)
+        status = self._pressing(state, Status(stops, frictions, clearances, switches), met)
         known: Known = {}
         touching, seated = self.rigid.at_start(state, [i for i, at in enumerate(met) if at])
         standing = [i for i, sense in enumerate(frictions) if sense == 0]
