@@ -280,3 +280,27 @@ def test_a_heavy_body_strikes_a_light_one_before_a_wall_to_rounding():
         assert [one.stop for one in passed] == [0, 1]
         assert abs(Fraction(after[1]) + Fraction(other) * Fraction(v)) <= 2 * Doubles.eps * v
         assert abs(after[0]) <= 2 * Doubles.eps * v
+
+
+def test_two_frictions_let_go_at_the_instant_at_which_the_limit_of_one_falls_to_their_load():
+    """They hold 0.5 N until N0 (1 + sin(w t)) falls below 0.2 N, at w t = pi. What is left there to move the
+    body is rounding, and made each of them let go and catch it again, without end.
+    """
+    result = run(
+        scene_of("""
+bodies: {b: 1 kg}
+links: {l: {between: [b, ground], k: 100 N/m}}
+friction:
+  falls: {between: [b, ground], N: "N0*(1 + sin(w*t))", N0: 0.2 N, w: 5 rad/s, mu: 1}
+  other: {between: [b, ground], N: 0.3 N, mu: 1}
+forces: {F: {on: b, F0: 0.8 N}}
+initial: {b: {x: 3 mm}}
+run: {t_end: 2 s, every: 10 ms}
+""")
+    )
+    assert [kind for kind in result.kinds if kind != "switch"][:4] == ["stick_end"] * 2 + ["stick_begin"] * 2
+    t = result.samples["time"]
+    s = np.clip(t - np.pi / 5, 0, 2 * np.pi / 15)  # x'' + 100 x = 0.3 N + 0.2 N sin(5 s), from rest to rest
+    course = 3e-3 + 0.2 / 75 * (np.sin(5 * s) - np.sin(10 * s) / 2)
+    before = t < 1.25
+    np.testing.assert_allclose(result.samples["x_b"][before], course[before], rtol=0, atol=1e-15)

@@ -312,12 +312,19 @@ class Automaton(Generic[N]):
         i = event.part
         standing = self.settling.standing(status, [i])
         after = self.settling.settle(state, status, standing)
-        known: Known = {}
         if after.frictions[i] == STICK:
             self.settling.join(state, self.maker.rows(after), i)
-        else:
-            known[SLIDE, i] = 1
-        return after, changes(status, after, known), known
+        known: Known = {}
+        happened = changes(status, after, known)
+        return after, happened, known | self._slips(state, after, standing)
+
+    def _slips(self, state: State[N], after: Status, standing: Iterable[int]) -> Known:
+        """The zeros of the ends of sliding of those of the frictions among the ties `standing` that slip."""
+        return {
+            (SLIDE, k): self.departures.clear_order(state, after, (SLIDE, k))
+            for k in standing
+            if k < len(after.frictions) and after.frictions[k] != STICK
+        }
 
     def _hold_ends(self, state: State[N], status: Status, event: Event[N], order: int) -> Taken:
         rows = self.maker.rows(status)

@@ -140,6 +140,16 @@ class DerivativeSigns(Generic[N]):
             value for value, lost in zip(values[first:], bounds[first:], strict=True) if abs(value) > lost
         )
 
+    def clear_order(self, state: State[N], status: Status, key: EventKey) -> int:
+        """Order of the zero with which an event function of a mode that is taken to rise begins: derivatives
+        that are rounding alone are none. 1 where those beyond it do not tell that it rises.
+        """
+        event, values = self._behind(state, status, key, 1)
+        bounds = self._bounds_of(state, event, len(values) - 1)
+        clear = (n for n in range(1, len(values)) if abs(values[n]) > bounds[n])
+        order = next(clear, 1)
+        return order if values[order] > 0 else 1
+
     def _bounds_of(self, state: State[N], event: Event[N], highest: int) -> list[N]:
         """Bounds of the rounding of derivatives up to an order. That of order 1 of displacements is one of
         velocities.
