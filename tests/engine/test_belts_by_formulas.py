@@ -418,3 +418,20 @@ run: {{t_end: 2 s, every: 10 ms}}
     course = 0.01 - 0.02 * np.maximum(result.samples["time"] - 1, 0)
     np.testing.assert_allclose(result.samples["v_a"], course, rtol=0, atol=1e-15)
     assert abs(result.totals["energy_residual"]) < 1e-15
+
+
+def test_a_belt_that_turns_round_carries_a_body_off_the_stop_that_it_rests_on():
+    """As the belt stands, it could hold the body as well as the stop does; then its course decides."""
+    scene = scene_of("""
+bodies: {b: 1 kg}
+stops: {s: {between: [b, ground], gap: 10 mm, acts: compression, law: rigid, e: 0}}
+friction: {f: {between: [b, ground], N: 0.1 N, mu: 1, belt: "u*sin(w*t)", u: 0.05 m/s, w: 1 rad/s}}
+initial: {b: {x: 10 mm, v: 0.1 m/s}}
+run: {t_end: 4 s, every: 20 ms}
+""")
+    result = run(scene, ledger=True)
+    assert result.kinds == ["impact", "reversal", "rest_begin", "stick_begin", "rest_end"]
+    t = result.samples["time"]
+    course = 0.01 - 0.05 * np.where(t > np.pi, 1 + np.cos(t), 0)
+    np.testing.assert_allclose(result.samples["x_b"], course, rtol=0, atol=1e-16)
+    assert abs(result.totals["energy_residual"]) < 1e-17 and result.totals["uncertified"] == 0

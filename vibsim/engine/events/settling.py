@@ -273,10 +273,11 @@ class StickSlipResolution(Generic[N]):
         return True
 
     def _consistent(self, state: State[N], status: Status, standing: Sequence[int]) -> bool:
-        """Whether a combination of the ties `standing` is; none is in which others keep one at rest that has
-        let go: with that one as well they hold as much.
+        """Whether a combination of the ties `standing` is; none is in which others keep a friction from
+        sliding that has let go: with that one as well they hold as much.
         """
-        if not self.possible(status) or self._with_kept(status, standing) != status:
+        kept = self.maker.resting(status) & {*self._apart(status, standing)}
+        if kept or not self.possible(status):
             return False
         rows = self.departures.enter(state, status)
         if self._overloaded(state, rows) is not None:
