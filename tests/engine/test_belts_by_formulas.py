@@ -435,3 +435,24 @@ run: {t_end: 4 s, every: 20 ms}
     course = 0.01 - 0.05 * np.where(t > np.pi, 1 + np.cos(t), 0)
     np.testing.assert_allclose(result.samples["x_b"], course, rtol=0, atol=1e-16)
     assert abs(result.totals["energy_residual"]) < 1e-17 and result.totals["uncertified"] == 0
+
+
+def test_a_belt_that_just_comes_up_to_the_speed_of_another_falls_back():
+    """b sticks to one belt and is as fast as the other at 5 t = pi/2 alone, where the switch of y turns. Of
+    the rate of slip rounding of the time is left there: the second friction turned by that, and back by what
+    follows, until the run ended.
+    """
+    scene = scene_of("""
+bodies: {b: 1 kg}
+links: {l: {between: [b, ground], force: "k*d + q*v*abs(v)", k: 25 N/m, q: 1 N s^2/m^2}}
+states: {y: {rate: "max(x_b, 0*y)/tau - y/tau", start: 0 m, tau: 0.5 s}}
+friction:
+  carries: {between: [b, ground], N: 0.1 N, mu: 1, belt: "0.05 m/s*sin(5 rad/s*t)"}
+  rubs: {between: [b, ground], N: 0.02 N, mu: 1, belt: "where(mod(t, 1 s) < 0.5 s, 0.05 m/s, 0 m/s)"}
+  floor: {between: [b, ground], N: 0.02 N, mu: 0.5, static: 2}
+forces: {F: {on: b, A: 0.05 N, omega: 5 rad/s, phase: 90 deg}}
+initial: {b: {x: -10 mm}}
+run: {t_end: 0.4 s, every: 10 ms}
+""")
+    samples = run(scene).samples
+    np.testing.assert_allclose(samples["v_b"], 0.05 * np.sin(5 * samples["time"]), rtol=0, atol=1e-15)

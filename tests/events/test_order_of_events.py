@@ -354,8 +354,8 @@ run: {t_end: 1 s, every: 1/8 s}
 @pytest.mark.parametrize("seed", [678, 687, 900, 988])
 def test_bodies_that_are_alike_come_to_rest_and_let_go_at_one_instant(seed):
     """Each run failed, with more than 64 events at one instant (678: a contact whose depth is rounding alone;
-    900, 988: two frictions that let go together) or with ties that were not decided (687: stops between
-    bodies that are pushed alike have nothing to hold).
+    900, 988: two frictions that let go together) or with ties that were not decided (687: stops
+    between bodies that are pushed alike have nothing to hold).
     """
     scene = tied_scene(seed)
     doubles, (exact, *_) = run(scene), truth(exact_parts(scene), 32)

@@ -132,23 +132,27 @@ class DerivativeSigns(Generic[N]):
         )
 
     def clear_sign(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> int:
-        """Sign of the first of the derivatives `values`, from order `first`, that is not rounding alone; 0
-        where all are.
+        """Sign of the first of the derivatives `values`, from order `first`, that is not rounding alone, of
+        the state or of the time; 0 where all are.
         """
-        bounds = self._bounds_of(state, event, len(values) - 1)
-        return first_sign(
-            value for value, lost in zip(values[first:], bounds[first:], strict=True) if abs(value) > lost
-        )
+        order = self._first_clear(state, event, values, first)
+        return 0 if order is None else sign(values[order])
 
     def clear_order(self, state: State[N], status: Status, key: EventKey) -> int:
         """Order of the zero with which an event function of a mode that is taken to rise begins: derivatives
         that are rounding alone are none. 1 where those beyond it do not tell that it rises.
         """
         event, values = self._behind(state, status, key, 1)
+        order = self._first_clear(state, event, values, 1)
+        return order if order is not None and values[order] > 0 else 1
+
+    def _first_clear(self, state: State[N], event: Event[N], values: Sequence[N], first: int) -> int | None:
+        """Order of the derivative of `clear_sign`; None where there is none."""
         bounds = self._bounds_of(state, event, len(values) - 1)
-        clear = (n for n in range(1, len(values)) if abs(values[n]) > bounds[n])
-        order = next(clear, 1)
-        return order if values[order] > 0 else 1
+        late = TIMES * self.kit.eps * abs(state.t)
+        changes = [late * abs(value) for value in (*values[1:], 0 * late)]
+        orders = range(first, len(values))
+        return next((n for n in orders if abs(values[n]) > bounds[n] + changes[n]), None)
 
     def _bounds_of(self, state: State[N], event: Event[N], highest: int) -> list[N]:
         """Bounds of the rounding of derivatives up to an order. That of order 1 of displacements is one of

@@ -239,13 +239,14 @@ class StickSlipResolution(Generic[N]):
         for event in rows.events:
             if event.kind == HOLD:
                 values = self.departures.hold_values(state, rows, event)
+                sense = first_sign(values)
                 if abs(values[0]) <= NEAR * (forces + event.size) and self.departures.is_open(
                     state, event, values, 0
                 ):
                     self.departures.doubt_event(state, rows.status, event, LOADED)
-                    if clearly and self.departures.clear_sign(state, event, values, 0) >= 0:
-                        continue
-                if first_sign(values) < 0 and (depth is None or values[0] < depth):
+                    if clearly:
+                        sense = self.departures.clear_sign(state, event, values, 0)
+                if sense < 0 and (depth is None or values[0] < depth):
                     if values[0] < 0 < values[1] and self.departures.passes_now(state, event, values):
                         continue  # a load by a formula comes back from nothing: it would slip for no time
                     worst, depth = event, values[0]
@@ -254,8 +255,8 @@ class StickSlipResolution(Generic[N]):
     def _slips_as_said(
         self, state: State[N], status: Status, slipping: Sequence[int], clearly: bool = False
     ) -> bool:
-        """Whether the ties that let go do so in the direction of their status, and stops part; `clearly`: or
-        do not but by rounding.
+        """Whether the ties that let go do so in the direction of their status, and stops part: by their first
+        derivative that is not rounding alone, where there is one. `clearly`: or where there is none.
         """
         if not slipping:
             return True
@@ -264,11 +265,12 @@ class StickSlipResolution(Generic[N]):
             key, order = ((SLIDE, k), 1) if k < count else ((STRIKE, k - count), 2)
             event = self.departures.event(rows, key)
             values = self.departures.as_far_as_needed(event, order, {})
-            if self.departures.is_open(state, event, values, order):
+            sense = first_sign(values[order:])
+            clear = self.departures.clear_sign(state, event, values, order)
+            if clear != sense or self.departures.is_open(state, event, values, order):
                 self.departures.doubt_event(state, status, event, LEAVES)
-                if clearly and self.departures.clear_sign(state, event, values, order) >= 0:
-                    continue
-            if first_sign(values[order:]) < 0:
+                sense = clear or (0 if clearly else sense)
+            if sense < 0:
                 return False
         return True
 
