@@ -4,6 +4,7 @@ import gc
 import sys
 import threading
 from array import array
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -39,7 +40,7 @@ def packed(of):
     """(scene, first mode, run) as they go into C."""
     run = CRun(of)
     scene_bytes = pack_scene(of, pitches(of), switches=len(run.switches))
-    return scene_bytes, packed_mode(run.rows_of(0), dict(run.keys)).packed, run
+    return scene_bytes, packed_mode(run.rows_of(0), deepcopy(run.keys)).packed, run
 
 
 def opened(scene_bytes, mode_bytes):

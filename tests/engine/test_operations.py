@@ -2,6 +2,7 @@
 
 import pickle
 import re
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -216,8 +217,8 @@ def test_modes_of_other_formulas_are_not_of_one_form():
     wider = oscillator("9*x + x**3", RIGID.replace("2 m", "3 m"))
     assert parametric_rows.differences(one, wider) == {("stops", 0, "gap"): 3.0}
     run_of, anew = CRun(one), ModeTable(wider)
-    anew.keys = dict(run_of.keys)
-    recipe = recipe_of(one, (("stops", 0, "gap"),), run_of.statuses[0], dict(run_of.keys))
+    anew.keys = deepcopy(run_of.keys)
+    recipe = recipe_of(one, (("stops", 0, "gap"),), run_of.statuses[0], deepcopy(run_of.keys))
     assert recipe.packed([3.0]) == anew.packed(run_of.statuses[0])
 
 

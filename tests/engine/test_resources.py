@@ -98,6 +98,17 @@ def test_a_stretch_of_many_calls_adds_up_as_one():
         assert abs(trajectory.totals[residual]) < 1e-12
 
 
+def test_a_saw_of_many_teeth_asks_for_no_more_numbers_than_one_of_few():
+    """Each piece had keys of its own: behind 100,000 of them they were no mode any more."""
+    text = f"{SPRING}forces: {{f: {{on: m, force: 'F*mod(t/T, 1)', F: 1 N, T: 1 s}}}}"
+    counts = []
+    for length in (10.0, 90.0):
+        trajectory = open_trajectory(scene_of(text, t_end=length))
+        assert sum(len(block.events["t"]) for block in trajectory.blocks()) > length
+        counts.append(len(trajectory.run.keys))
+    assert counts[0] == counts[1] < 10
+
+
 def test_section_points_of_one_long_stretch_come_in_blocks():
     for block in islice(open_trajectory(FAST, section=True).blocks(), 4):
         assert len(block.section["time"]) <= 65_536

@@ -349,8 +349,8 @@ class CRun:
             return bytes(array("i").itemsize * len(self.keys))
         orders = array("i", [missing]) * len(self.keys)
         for key, order in known.items():
-            if key in self.keys:
-                orders[self.keys[key]] = order
+            if (number := self.keys.get(key)) is not None:
+                orders[number] = order
         return orders.tobytes()
 
     def blocks(self) -> Iterator[Filled]:
@@ -510,7 +510,7 @@ class CRun:
         if self.carries and not self.jumps.of_rule_in_c(rows, rule, rows.events[event]):
             return False
         kind = EVENT_KINDS[rule.happened] if rule.happened else NO_EVENT
-        numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys[rule.key], rule.order
+        numbers = rule.kind, target, other, rule.hold, kind, rule.part, self.keys.number(rule.key), rule.order
         self.run.set_rule(number, event, numbers)
         return True
 

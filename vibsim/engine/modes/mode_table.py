@@ -17,10 +17,10 @@ from vibsim.engine.flows.closed.modal import harmonic_key, pitches
 from vibsim.engine.flows.closed.modal_maker import may_have_closed_form, modal_of
 from vibsim.engine.ledger_integrals import IntegralMaker, pack_integrals
 from vibsim.engine.modes.formula_rows import FormulaRows
-from vibsim.engine.modes.packing import Packed, packed_mode
+from vibsim.engine.modes.packing import EventNumbers, Packed, packed_mode
 from vibsim.engine.modes.parametric_rows import Numbers, ParametricRows, Place, recipe_of, settings
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import Event, EventKey, ModeRows, Rule
+from vibsim.engine.modes.rows import Event, ModeRows, Rule
 from vibsim.engine.modes.status import Kept, Status
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.lazy import once
@@ -41,12 +41,12 @@ def bytes_of(packed: Packed) -> int:
 class ModeTable:
     """Rows of the modes of a scene, and by status what C is told of them.
 
-    maker : makes the rows; keys : {event key: number in C}
+    maker : makes the rows; keys : numbers of event keys in C
     """
 
     def __init__(self, scene: Scene, form: NumberForm[Any] = DOUBLES) -> None:
         self.scene, self.form = scene, form
-        self.keys: dict[EventKey, int] = {}
+        self.keys = EventNumbers()
         self._packed = Kept[Status, Packed](MOST_BYTES)
         self._integrals = Kept[tuple[Status, bool], Packed](MOST_BYTES)
         self._slopes = Kept[Status, Packed](MOST_BYTES)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibsim.engine.errors import State
 from vibsim.engine.flows.closed.modal import Pitch, harmonic_key
-from vibsim.engine.modes.rows import DIFFERENCE, RATE, Event, EventKey, ModeRows, Term
+from vibsim.engine.modes.rows import DIFFERENCE, RATE, SWITCH, Event, EventKey, ModeRows, Term
 from vibsim.engine.number_forms import DOUBLES, NumberForm
 from vibsim.physics.parts import BASE, BODY, GROUND, Harmonic, Scene
 
@@ -121,13 +121,37 @@ def pack_state(state: State[Any], form: NumberForm[Any] = DOUBLES) -> bytes:
     return form.packed((state.t, *state.x, *state.v, state.phase, state.turns, state.w))
 
 
+class EventNumbers:
+    """Numbers in C of event keys. Of the pieces of mod and of tables, of which a run may come through any
+    number, ends four pieces apart have one number: no two of these are known to be zero at one time.
+    """
+
+    def __init__(self) -> None:
+        self._numbers: dict[EventKey, int] = {}
+
+    def __len__(self) -> int:
+        return len(self._numbers)
+
+    def number(self, key: EventKey) -> int:
+        """The number of a key, a new one if it has none."""
+        return self._numbers.setdefault(_shared(key), len(self._numbers))
+
+    def get(self, key: EventKey) -> int | None:
+        """The number of a key, if it has one."""
+        return self._numbers.get(_shared(key))
+
+
+def _shared(key: EventKey) -> EventKey:
+    return (*key[:2], key[2] % 4) if key[0] == SWITCH and isinstance(key[2], int) else key
+
+
 def packed_mode(
     rows: ModeRows,
-    keys: dict[EventKey, int],
+    keys: EventNumbers,
     form: NumberForm[Any] = DOUBLES,
     modal: Modal | None = None,
 ) -> Packer:
-    """The rows of a mode as ints and numbers. keys: {event key: number}, which grows; modal: its closed form,
+    """The rows of a mode as ints and numbers. keys: of its events, which get numbers; modal: its closed form,
     where that is told of.
     """
     pack = Packer(form)
@@ -143,7 +167,7 @@ def packed_mode(
             slopes.append((*counts, one.mass, one.factor))
             terms += one.terms
             slope_constants += one.constants
-        key = keys.setdefault(event.key, len(keys))
+        key = keys.number(event.key)
         events.append((event, key, first, len(event.terms), first_slope, len(slopes) - first_slope))
     pairs = {pair: i for i, pair in enumerate(modal.pairs)} if modal else {}
     sides = [float(side or 0) for side in rows.status.switches]

@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 
 from vibsim.engine.flows.closed.modal import pitches
 from vibsim.engine.flows.closed.modal_maker import modal_of
-from vibsim.engine.modes.packing import Packed, Packer, packed_mode
+from vibsim.engine.modes.packing import EventNumbers, Packed, Packer, packed_mode
 from vibsim.engine.modes.row_maker import RowMaker
-from vibsim.engine.modes.rows import EventKey, ModeRows
+from vibsim.engine.modes.rows import ModeRows
 from vibsim.engine.modes.status import Status
 from vibsim.physics.parts import Body, Clearance, Friction, Harmonic, RigidStop, Scene, Stop
 from vibsim.physics.traced_numbers import NotRecorded, Record, Recorded, RecordedNumbers
@@ -55,12 +55,12 @@ def recipe_of(
     scene: Scene,
     places: Sequence[Place],
     status: Status,
-    keys: dict[EventKey, int],
+    keys: EventNumbers,
     packer: Callable[[Any, ModeRows[Any]], Packer] | None = None,
 ) -> ParametricRows | None:
     """The recipe of a mode for the numbers of a scene in `places`; None where it cannot be recorded.
 
-    keys : {event key: number}, which grows; packer : packs something else than the rows, on a kit
+    keys : numbers of event keys in C, which grow; packer : packs something else than the rows, on a kit
     """
     kit: Any = RecordedNumbers
     record = Record([_number(scene, place) for place in places])
