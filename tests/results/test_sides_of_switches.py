@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import vibsim
-from tests.engine.runs import run, same_bits
+from tests.engine.runs import run, same_bits, scene_of
 from vibsim.cases.case import load_case_text
-from vibsim.engine.resume import resume_point
+from vibsim.engine.resume import resume_point, rows_to_resume
 from vibsim.engine.trajectory import open_trajectory
 from vibsim.engine.truth import open_truth
 from vibsim.physics.parts import EVENT_KINDS
@@ -121,3 +121,42 @@ def test_no_run_goes_on_from_a_side_that_there_is_not(case, name, side):
     resume_point(scene, row | {"side.saw.1": 10**12})  # of mod there is every one
     with pytest.raises(ValueError, match=f"side.{name}.1 must be a side of that switch, got {side}"):
         resume_point(scene, row | {f"side.{name}.1": side})
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1.3])
+def test_no_run_goes_on_from_what_is_no_side(case, value):
+    scene = case.scene()
+    row = {column: values[3] for column, values in run(scene).events.items()}
+    with pytest.raises(ValueError, match=r"event row: side.push.1 must be"):
+        resume_point(scene, row | {"side.push.1": value})
+    del row["side.push.1"]
+    with pytest.raises(ValueError, match=r"event row: side.push.1 is missing"):
+        resume_point(scene, row)
+
+
+BELT = """
+bodies: {a: 1 kg, b: 0.5 kg}
+links:
+  spring: {between: [a, ground], k: 39.47841760435743 N/m, c: 1 N s/m}
+  other: {between: [a, b], k: 80 N/m}
+stops: {wall: {between: [a, ground], gap: 3 mm, acts: compression, law: rigid, e: 0}}
+friction: {f: {between: [a, ground], N: 1 N, mu: 0.5, belt: "0.02 m/s*sign(sin(6 1/s*t))"}}
+forces: {saw: {on: a, force: "1 N*mod(t/(1 s) + 4*step(t - 1 s), 1)"}}
+initial: {a: {x: 1 mm}}
+run: {t_end: 3 s, every: 50 ms}
+"""
+
+
+def test_a_run_goes_on_behind_a_jump_of_a_belt():
+    """The velocity of the belt there is that behind the jump, though the time is rounded to before it."""
+    scene = scene_of(BELT)
+    whole = run(scene)
+    times = np.unique(whole.events["t"])[1:-1]
+    assert len(times) > 15
+    for t in times:
+        rows = rows_to_resume(scene, whole.events, int(np.flatnonzero(whole.events["t"] == t)[-1]))
+        rest = run(scene, resume=rows)
+        later = whole.events["t"] > t
+        assert all(
+            same_bits(column[1:], whole.events[name][later]) for name, column in rest.events.items()
+        ), t

@@ -11,7 +11,7 @@ from vibsim.engine.errors import State
 from vibsim.engine.events.departures import released_parts, zeros_of_touch
 from vibsim.engine.events.impacts.simultaneous import coincident_stops_of
 from vibsim.engine.events.relative_motion import RelativeMotion
-from vibsim.engine.flows.base_motion import belt_velocity
+from vibsim.engine.flows.base_motion import NO_SIDES, belt_velocity
 from vibsim.engine.modes.formula_rows import ZERO_UNIT, FormulaRows
 from vibsim.engine.modes.mode_table import mode_table, switching_formulas
 from vibsim.engine.modes.rows import CLEARANCE, GAP, PUSH, SLIDE, STRIKE, SWITCH, Known
@@ -28,6 +28,7 @@ IMPACTS = ("impact", "transmitted", "chatter")
 JUMPS = (*IMPACTS, "rest_begin", "stick_begin", "reversal", "switch")
 OF_PLACES = (GAP, STRIKE, CLEARANCE)  # event functions of displacements, by kind
 ROUNDING = 2.0**-40  # of a velocity, above which its change is a jump [-]
+HIGHEST_ORDER = 100  # of a zero that a row may tell, above all that series have
 
 
 def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
@@ -41,8 +42,9 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
     """
     rows = [row] if isinstance(row, Mapping) else list(row)
     known: Known = {}
+    formulas = switching_formulas(scene)
     for one in rows:
-        _check(scene, one)
+        _check(scene, one, formulas)
     for event in _events_of(scene, rows):
         jumps = any(_makes_forces_jump(scene, one) for one in event)
         kinds = {EVENT_NAMES[int(one["kind"])] for one in event}
@@ -54,9 +56,9 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
         }
         for one in event:
             state, status = _state(scene, one), _status(scene, one)
-            known |= _zeros(scene, one, state, status, jumps, struck, forced)
+            sides = NO_SIDES if formulas is None else formulas.sides(_with_switches(formulas, one, status)[0])
+            known |= _zeros(scene, one, state, status, jumps, struck, forced, sides)
         known |= _zeros_of_parted(scene, event, state, status, 2 if jumps else 3)
-    formulas = switching_formulas(scene)
     if formulas is None:
         return state, status, known
     status, zeros = _with_switches(formulas, rows[-1], status)
@@ -73,10 +75,10 @@ def _with_switches(formulas: FormulaRows[float], row: Row, status: Status) -> tu
     known: Known = {}
     for node, i, sign in formulas.awake(status, sides):
         side = round(row[names[i]])
-        if not formulas.has_side(i, side):
+        order = round((row[names[i]] - side) / ZERO_UNIT)
+        if not formulas.has_side(i, side) or abs(order) > HIGHEST_ORDER:
             raise ValueError(f"event row: {names[i]} must be a side of that switch, got {row[names[i]]:g}")
         switches[i], sides[node] = side, sign * side
-        order = round((row[names[i]] - side) / ZERO_UNIT)
         if order != 0:
             end = 0 if formulas.switches[i][0] == "choose" else side + (order < 0)
             known[SWITCH, i, end] = abs(order)
@@ -131,8 +133,11 @@ def rows_of_instant(events: Mapping[str, np.ndarray], i: int, earlier: Sequence[
     return [*earlier, *rows] if first == 0 and earlier and earlier[-1]["t"] == times[i] else rows
 
 
-def _check(scene: Scene, row: Row) -> None:
-    for name in ("t", *state_columns(scene), *(("phase",) if scene.motor else ())):
+def _check(scene: Scene, row: Row, formulas: FormulaRows[float] | None) -> None:
+    phase = ("phase",) if scene.motor else ()
+    for name in ("t", *state_columns(scene), *phase, *(formulas.event_columns if formulas else ())):
+        if name not in row:
+            raise ValueError(f"event row: {name} is missing")
         if not isfinite(row[name]):
             raise ValueError(f"event row: {name} must be finite, got {row[name]}")
     if not 0 <= row["t"] <= scene.t_end:
@@ -168,11 +173,18 @@ def _status(scene: Scene, row: Row) -> Status:
 
 
 def _zeros(
-    scene: Scene, row: Row, state: State, status: Status, jumps: bool, struck: bool, forced: bool
+    scene: Scene,
+    row: Row,
+    state: State,
+    status: Status,
+    jumps: bool,
+    struck: bool,
+    forced: bool,
+    sides: Mapping[Node, int],
 ) -> Known:
     """Orders of the zeros that the event of a row leaves, by key; jumps: whether forces jump at its instant;
     struck: whether a rigid stop is struck then; forced: whether that, or the turn of a switch, may have made
-    a force jump through zero.
+    a force jump through zero; sides: of the switches behind the event.
 
     What a tie held for long enough parts with a zero of one order more where no force jumps.
     """
@@ -196,7 +208,7 @@ def _zeros(
         return known
     if kind in ("reversal", "stick_end"):
         dry = scene.frictions[friction]
-        if _struck(scene, dry, row) or (forced and _slips(scene, dry, state)):
+        if _struck(scene, dry, row) or (forced and _slips(scene, dry, state, sides)):
             return {}
     released = 1 if jumps else 2
     if kind in ("reversal", "stick_end"):
@@ -234,10 +246,10 @@ def _struck(scene: Scene, friction: Friction, row: Row) -> bool:
     return any(jump > ROUNDING * (max(sizes) + abs(friction.belt)) for jump in jumps)
 
 
-def _slips(scene: Scene, friction: Friction, state: State) -> bool:
+def _slips(scene: Scene, friction: Friction, state: State, sides: Mapping[Node, int]) -> bool:
     """Whether the ends of a friction slip by more than rounding: the base or its belt has jumped."""
     vP, vQ = RelativeMotion(scene, Doubles).ends(friction, state, "v")
-    belt = belt_velocity(friction, Doubles, state.t)
+    belt = belt_velocity(friction, Doubles, state.t, sides)
     return abs(vP - vQ - belt) > ROUNDING * (abs(vP) + abs(vQ) + abs(belt))
 
 

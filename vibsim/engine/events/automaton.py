@@ -94,6 +94,8 @@ class Automaton(Generic[N]):
                 if status.switches == switches.with_sides(state, before).switches:
                     break
                 sides = status.switches  # with which what touches or stands may do something else
+            else:
+                raise EngineError("undecided", state)
             return status, known | zeros
 
     def take(self, state: State[N], status: Status, event: Event[N], order: int = 0) -> Taken:

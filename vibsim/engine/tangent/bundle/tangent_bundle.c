@@ -199,7 +199,7 @@ static void fit(const Run *r, const Mode *m, int flat)
 {
     Tangent *b = r->tangent;
     int room = b->component_count - b->outside, fitting = 0, over = 0, vectors, i;
-    Real longest = 1.0; /* of all before the event */
+    Real longest = 1.0; /* at least 1, the length of each before the event */
     for (i = 0; i < b->possible; i++) {
         Real length = length_of(b, i);
         longest = length > longest ? length : longest;
