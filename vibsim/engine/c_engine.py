@@ -108,7 +108,7 @@ class CRun:
             self.table = self.origin = ModeTable(scene, form)
         self.keys = self.table.keys
         self.carries = carries or tangent[0] > 0  # disturbances, now or later, by which rules are made
-        formulas = self.maker.formulas if scene.has_formulas else None
+        formulas = self.maker.formulas
         self.switches = formulas.event_columns if formulas else ()  # names of columns of events
         ints, self._doubles = self._packed_scene(scene)
         self.run = form.run(ints, self._doubles)

@@ -56,19 +56,20 @@ def resume_point(scene: Scene, row: Row | Sequence[Row]) -> Point:
         }
         for one in event:
             state, status = _state(scene, one), _status(scene, one)
-            sides = NO_SIDES if formulas is None else formulas.sides(_with_switches(formulas, one, status)[0])
+            whole, zeros, sides = _with_switches(formulas, one, status)
             known |= _zeros(scene, one, state, status, jumps, struck, forced, sides)
         known |= _zeros_of_parted(scene, event, state, status, 2 if jumps else 3)
-    if formulas is None:
-        return state, status, known
-    status, zeros = _with_switches(formulas, rows[-1], status)
-    return state, status, known | zeros
+    return state, whole, known | zeros
 
 
-def _with_switches(formulas: FormulaRows[float], row: Row, status: Status) -> tuple[Status, Known]:
-    """The mode with the sides of its switches as a row tells them, and the zeros that they are known to be
-    at, at the lower end of a side or at the upper one. Raises ValueError for a side that there is not.
+def _with_switches(
+    formulas: FormulaRows[float] | None, row: Row, status: Status
+) -> tuple[Status, Known, Mapping[Node, int]]:
+    """The mode with the sides of its switches as a row tells them; the zeros that they are known to be at, at
+    the lower end of a side or at the upper one; the sides. Raises ValueError for a side that there is not.
     """
+    if formulas is None:
+        return status, {}, NO_SIDES
     names = formulas.event_columns
     switches: list[int | None] = [None] * len(names)
     sides: dict[Node, int] = {}
@@ -82,7 +83,7 @@ def _with_switches(formulas: FormulaRows[float], row: Row, status: Status) -> tu
         if order != 0:
             end = 0 if formulas.switches[i][0] == "choose" else side + (order < 0)
             known[SWITCH, i, end] = abs(order)
-    return status._replace(switches=tuple(switches)), known
+    return status._replace(switches=tuple(switches)), known, sides
 
 
 def rows_to_resume(scene: Scene, events: Mapping[str, np.ndarray], i: int) -> list[Row] | None:

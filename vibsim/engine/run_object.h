@@ -29,18 +29,31 @@ int numbers_ready(void);
 int bits_fit(int bits);
 extern PyMethodDef number_functions[];
 #else
-/* double_functions.c, and what it lists: of module.c, several runs side by side; of matrices.c; of roots_alone.c */
+/* What Python calls of the module of doubles alone: of module.c, several runs side by side; of double_functions.c, sines of arrays; of
+ * matrices.c; of roots_alone.c.
+ */
+#define DOUBLE_FUNCTIONS(F) \
+    F(advance_together, advance_together, \
+      "advance_together(runs, widest) -> list of what `advance()` gives of each of up to 64 runs in a tuple, computed side by side;\n" \
+      "None of a run that waits for the next call, because another one has stopped.\n" \
+      "widest: lanes in a vector at most, where fewer than the processor has are wanted; 0: none.") \
+    F(sines_cosines, sines_cosines, "sines_cosines(angles, sines, cosines): of arrays of doubles, the last two to be filled.") \
+    F(product, matrix_product, "product(a, b, out): matrix product; vectors are a row a, a column b") \
+    F(dot, matrix_dot, "dot(a, b) -> sum of the products of two vectors") \
+    F(solved, matrix_solved, "solved(a, b, x) -> smallest pivot, 0 where a is singular: x with a x = b") \
+    F(determinant, matrix_determinant, "determinant(a)") \
+    F(singular, matrix_singular, "singular(a, out) -> whether a is finite; out: values, V and W of a (m, n), n (1 + n + m) doubles") \
+    F(first_root, root_first, \
+      "first_root(coefficients, known, t0, h, keep_margin) -> (0: positive on the whole step, 1: a zero, 2: unproved behind it; " \
+      "time, doubts, margin and when), see events/roots/polynomial_root.c") \
+    F(safe_step, root_safe_step, "safe_step(value, slope, bound of the curvature): a step that passes no zero") \
+    F(deflated_step, root_deflated_step, "deflated_step(order, leading, following, bound): one behind a zero") \
+    F(eigenvalues, matrix_eigenvalues, "eigenvalues(a, out) -> whether they were found; out (n, 2)")
+
+#define FUNCTION_OF_DOUBLES(name, function, text) PyObject *function(PyObject *module, PyObject *args);
+DOUBLE_FUNCTIONS(FUNCTION_OF_DOUBLES)
+#undef FUNCTION_OF_DOUBLES
 extern PyMethodDef double_functions[];
-PyObject *advance_together(PyObject *module, PyObject *args);
-PyObject *matrix_product(PyObject *module, PyObject *args);
-PyObject *matrix_dot(PyObject *module, PyObject *args);
-PyObject *matrix_solved(PyObject *module, PyObject *args);
-PyObject *matrix_determinant(PyObject *module, PyObject *args);
-PyObject *matrix_singular(PyObject *module, PyObject *args);
-PyObject *matrix_eigenvalues(PyObject *module, PyObject *args);
-PyObject *root_first(PyObject *module, PyObject *args);
-PyObject *root_safe_step(PyObject *module, PyObject *args);
-PyObject *root_deflated_step(PyObject *module, PyObject *args);
 #define number_object PyFloat_FromDouble
 
 static inline int number_from(PyObject *object, void *out)

@@ -263,7 +263,8 @@ PyObject *Run_hand_jump(RunObject *self, PyObject *args)
     int i, fits;
     if (!PyArg_ParseTuple(args, "iO&iO&py*", &h.kind, number_from, &h.determinant, &h.tangencies, number_from, &h.closest, &h.undefined, &v))
         return NULL;
-    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && h.kind >= SAME && h.kind <= JOINED && v.len == (Py_ssize_t)sizeof(Real) * b->possible * b->size;
+    fits = run_is_ready(self) && b && self->run.status == UNDECIDED && h.kind >= SAME && h.kind <= JOINED &&
+           v.len == (Py_ssize_t)sizeof(Real) * b->possible * b->size;
     for (i = 0; fits && i < b->possible; i++)
         put_vector(b, i, (const Real *)v.buf + i * b->size);
     PyBuffer_Release(&v);

@@ -33,7 +33,7 @@ from vibsim.physics.parts import Scene
 
 CLOSE = 1e-6  # a rate of 1/1000 of the largest
 GRAZING = 2.0**-40  # a depth of some thousand roundings
-SAME, MOVED, JOIN = range(3)  # disturbances as C hears of them: unchanged, moved, to be joined
+SAME, MOVED, JOIN = range(3)  # what an event does to disturbances, as in tangent.h
 
 
 class Jumps(Generic[N]):

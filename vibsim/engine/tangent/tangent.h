@@ -25,8 +25,8 @@ typedef struct {
     Real forward, backward;
 } FrictionEnds;
 
-/* What an event does: nothing, S = I + jump n^T, or the common velocity of tied bodies. */
-enum { SAME, RANK_ONE, JOINED };
+/* What an event does to disturbances: nothing; it moves them, in C by S = I + jump n^T; or tied bodies get their common velocity. */
+enum { SAME, MOVED, JOINED };
 typedef struct {
     int kind;
     const Mode *before;
@@ -93,7 +93,7 @@ typedef struct {
     long long count, undefined;
 } Tangencies;
 
-/* What an event did, where Python took it; it has moved disturbances itself but for JOINED. */
+/* What an event did, where Python took it: disturbances that are MOVED come from Python, those to be JOINED are left to C. */
 typedef struct {
     int here, kind, tangencies, undefined;
     Real determinant, closest;

@@ -217,8 +217,8 @@ static int certify_order(Run *r, int first, Real end)
     clear = latest <= r->t0 + r->taylor.h ? r->taylor.clear : 0;
     for (i = 0; i < m->event_count; i++) {
         const Event *e = &m->events[i];
-        if (i == first || is_clear(clear, i) || !taylor_near_zero(r, e, tau, &other, &fall, &blur)
-            || !may_vanish_by(other, fall, blur, latest))
+        if (i == first || is_clear(clear, i) || !taylor_near_zero(r, e, tau, &other, &fall, &blur) ||
+            !may_vanish_by(other, fall, blur, latest))
             continue;
         if (!(other == value && fall == slope) || order_is_open(r, &m->events[first], e))
             doubt(&r->certificate, r->t0, end, WHICH_IS_FIRST, first, i);

@@ -51,7 +51,7 @@ static Saltation rank_one(const Run *r, const Mode *m, const Event *event, Real 
     int c, n = r->bodies;
     if (rate == 0)
         return s;
-    s.kind = RANK_ONE;
+    s.kind = MOVED;
     s.before = m;
     s.event = event;
     s.jump = b->jump;
@@ -166,7 +166,7 @@ void saltation_apply(const Run *r, const Saltation *s, const State *state)
     int i, k;
     if (s->kind == JOINED)
         join_disturbances(r, s->before, state);
-    for (i = 0; s->kind == RANK_ONE && i < b->possible; i++) {
+    for (i = 0; s->kind == MOVED && i < b->possible; i++) {
         Real along = gradient(r, s->before, s->event, b->vectors + i, b->stride);
         for (k = 0; k < b->size; k++)
             b->vectors[k * b->stride + i] = b->vectors[k * b->stride + i] + along * s->jump[k];
